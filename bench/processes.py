@@ -48,7 +48,7 @@ def send(pid, number):
 
 
 def left_after_reaping():
-    """Returns true if this process has children, among them those of dead children if it adopts orphans."""
+    """Reaps dead children. Returns true if children are left, including orphans that this process has adopted."""
     try:
         while os.waitpid(-1, os.WNOHANG)[0]:
             pass

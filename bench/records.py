@@ -1,8 +1,8 @@
 """The folder in which a run keeps its results. The plots are made of them.
 
 NAME.json has the figures of a benchmark, as its option --json writes them. The files of benchmarks.FILES have further
-data for the plots. about.json says of each benchmark when, where and with which command it was measured. A later run
-of a benchmark replaces its files only."""
+data for the plots. about.json contains for each benchmark when, where and with which command it was measured. A later
+run of a benchmark replaces its files only."""
 
 import csv
 import json
@@ -27,8 +27,8 @@ class Records:
 
 
 def options_for_files(name, free, folder):
-    """Returns the words that make a benchmark write its further files to `folder`. `free`: the options that it knows,
-    without those that it gets anyway."""
+    """Returns the arguments that make a benchmark write its further files to `folder`, if it has the option for that.
+    `free`: the options that the caller does not set itself."""
     option, file = benchmarks.FILES.get(name, (None, None))
     return [option, os.path.join(folder, file)] if option in free else []
 

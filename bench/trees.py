@@ -10,7 +10,7 @@ import processes
 
 
 class Refusal(Exception):
-    """Raised if what the user asked for cannot be done."""
+    """Raised if the request of the user cannot be fulfilled."""
 
 
 def git(root, *arguments):
@@ -21,7 +21,7 @@ def git(root, *arguments):
 
 
 def check_out(root, name):
-    """Returns the tree of a commit, which stays for the next time. If its folder is deleted, git keeps an entry."""
+    """Returns the tree of a commit. The tree is kept for later runs. If its folder was deleted, git keeps an entry."""
     try:
         commit = git(root, "rev-parse", "--verify", "--quiet", "--end-of-options", name + "^{commit}")
     except Refusal:

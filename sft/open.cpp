@@ -2,8 +2,8 @@
 // environment.
 #include <cstdlib>
 
-#include "core/control/remapping.h"
 #include "core/discovery/dds_config.h"
+#include "core/names/remapping.h"
 #include "core/node/node_core.h"
 #include "core/node/simulated_clock.h"
 #include "core/node/vanilla_choice.h"
@@ -21,7 +21,7 @@ namespace sft {
 
 namespace {
 
-/// The numbers of descriptors and threads that a node with a few publishers and subscribers needs on one
+/// The numbers of descriptors and threads that a node needs with a few publishers and subscribers, one
 /// network interface and the loopback.
 constexpr std::size_t descriptors_of_a_node = 48;
 constexpr std::size_t threads_of_a_node = 16;

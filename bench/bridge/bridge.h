@@ -12,12 +12,12 @@ struct BridgeScale {
   double seconds = 10;
 };
 
-/// A lidar sends 6.3 MB at 10 Hz on the robot. A reader there gets whole clouds in shared memory, and an
-/// unmodified DDS reader at the station gets x, y and z of every fourth point, 31 Mbit/s. A small topic goes
-/// the same way.
+/// Measures the samples that bridges carry. A lidar on the robot publishes 6.3 MB at 10 Hz. A reader on the
+/// robot receives whole clouds in shared memory. An unmodified DDS reader at the station receives x, y and
+/// z of every fourth point, 31 Mbit/s. A small topic is carried to the station, too.
 std::vector<Figure> bridge_carrying(const BridgeScale& scale);
 
-/// The cost of bridges that carry no samples.
+/// Measures the cost of bridges that carry no samples.
 std::vector<Figure> bridge_idle(const BridgeScale& scale);
 
 }  // namespace sft::bench

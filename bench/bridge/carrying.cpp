@@ -38,8 +38,8 @@ constexpr std::int64_t straggling_us = 2'000'000;  // the time to wait for late 
 
 /// The times of the samples of a topic, by their numbers from 1.
 struct Times {
-  std::atomic<std::uint32_t> sent{0};      ///< number of the last one that was sent
-  std::atomic<std::uint32_t> received{0};  ///< number of the last one at the station
+  std::atomic<std::uint32_t> sent{0};      ///< the number of the last sample that was sent
+  std::atomic<std::uint32_t> received{0};  ///< the number of the last sample that arrived at the station
   std::atomic<std::int64_t> sent_at[numbers_max] = {};
   std::atomic<std::int64_t> local_at[numbers_max] = {};
   std::atomic<std::int64_t> remote_at[numbers_max] = {};
@@ -148,7 +148,7 @@ void note_clouds(int records, Times& times) {
   }
 }
 
-/// Runs the unmodified reader of DDS, and notes what comes to it.
+/// Runs the unmodified DDS reader, and notes the samples that it receives.
 int read_clouds_by_dds(Times& times) {
   yield_to_robot();
   setenv("CYCLONEDDS_URI", "<Internal><SocketReceiveBufferSize min=\"default\" max=\"4MB\"/></>", 1);
@@ -168,12 +168,12 @@ int read_clouds_by_dds(Times& times) {
 
 /// The measurements of all rounds.
 struct Found {
-  std::vector<double> local_us{};  ///< from publish() to the reader on the robot
-  std::vector<double> small_ms{};  ///< from publish() to the reader at the station
-  double sent = 0, came = 0;       ///< numbers of clouds
+  std::vector<double> local_us{};  ///< times from publish() to the reader on the robot
+  std::vector<double> small_ms{};  ///< times from publish() to the reader at the station
+  double sent = 0, came = 0;       ///< the numbers of clouds that were sent and that arrived
 };
 
-/// The numbers of samples that are sent within a time.
+/// The numbers of the samples that are sent during a measurement: [first, end).
 struct Span {
   std::uint32_t first, end;
 };
@@ -195,7 +195,7 @@ void add_remote(const Board& board, Span clouds, Span small, Found& found) {
   }
 }
 
-/// Measures for a while. Nothing else starts meanwhile.
+/// Measures for this time, in which nothing else is started.
 std::pair<Span, Span> watch(const Board& board, double seconds) {
   const std::uint32_t clouds = board.clouds.sent + 1, small = board.small.sent + 1;
   sleep_us(static_cast<std::int64_t>(seconds * 1e6));

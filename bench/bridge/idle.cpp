@@ -8,10 +8,11 @@ namespace sft::bench {
 
 namespace {
 
-constexpr std::int64_t settling_us = 8'000'000;  // after which bridges know each other, and are quiet
+// The time in which bridges find each other, and their traffic becomes quiet
+constexpr std::int64_t settling_us = 8'000'000;
 constexpr double kilobytes_of_mb = 1000 / 1.024;
 
-/// The memory of the process that no file backs.
+/// Returns the size of the process's memory that no file backs, in MB.
 double anonymous_mb(pid_t process) {
   const std::string text = core::text_of("/proc/" + std::to_string(process) + "/status");
   const std::string key = "RssAnon:";

@@ -20,21 +20,21 @@ inline constexpr std::uint32_t robot_domain = 41, station_domain = 42;
 using Radio = std::shared_ptr<const hosts::EmulatedNetwork>;
 
 /// Makes both hosts, and the link between them: 50 Mbit/s, with a loss of 1 % of the packets of each
-/// direction. Ends the program with a message if the system refuses that.
+/// direction. Ends the program with a message if the system does not allow it.
 Radio make_radio();
 
-/// Gives all other processes precedence, for programs of the station. A real station has processors of its
-/// own.
+/// Gives all other processes precedence. Called by programs of the station, since a real station has its
+/// own processors.
 void yield_to_robot();
 
-/// Discards what this process prints.
+/// Discards everything that this process prints.
 void be_silent();
 
 /// Executes a program of the project in this process. Returns an exit code if that fails.
 int execute(const std::string& program, std::vector<std::string> arguments);
 
-/// The bridges of both hosts, until this object is destroyed. They carry x, y and z of every fourth point of
-/// "points", and "small".
+/// Runs the bridges of both hosts as long as this object exists. They carry "small", and x, y and z of
+/// every fourth point of "points".
 class Bridges {
  public:
   explicit Bridges(const Radio& radio);

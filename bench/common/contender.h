@@ -37,7 +37,7 @@ struct Topic {
   bool reliable = true;
   bool durable = false;     ///< true: late readers get the last sample, too, and delivery is reliable
   std::uint32_t depth = 8;  ///< the number of samples that a writer and a reader keep
-  /// True: Reader::wait() spins until a sample comes, if the contender supports that.
+  /// True: Reader::wait() spins until a sample arrives, if the contender supports that.
   bool spinning = false;
   bool batching = false;  ///< true: samples that are written together may share datagrams
 
@@ -98,7 +98,7 @@ class Reader {
   virtual std::size_t writers() const = 0;
   // The following functions are only for a reader without a callback.
   virtual void wait() {}  ///< waits at most a second for a sample
-  /// Returns the number of the next sample; 0: no sample has come.
+  /// Returns the number of the next sample; 0: no sample has arrived.
   virtual std::uint64_t take() { return 0; }
 };
 
@@ -141,8 +141,8 @@ std::unique_ptr<Peer> cyclone_unicast_peer();
 std::unique_ptr<Peer> cyclone_peer_with(const std::string& config);
 std::unique_ptr<Peer> fast_dds_usual_peer();
 std::unique_ptr<Peer> fast_dds_multicast_peer();
-/// Returns Fast DDS that also uses shared memory. The memory has room for several samples of 6.3 MB: the
-/// default is less than a tenth of such a sample, so that no sample would arrive.
+/// Returns Fast DDS that also uses shared memory. The memory has room for several samples of 6.3 MB. With the
+/// default size, which is less than a tenth of such a sample, no sample would arrive.
 std::unique_ptr<Peer> fast_dds_local_peer();
 
 // The following contenders pass samples in shared memory.

@@ -29,7 +29,7 @@ class CycloneParticipant {
 
   dds_entity_t writer(const dds_topic_descriptor_t& type, const std::string& topic,
                       const dds_qos_t* qos) const;
-  /// Creates a reader. `on_data` is called with `context`; it may be null.
+  /// Creates a reader. `on_data`, which may be null, is called with `context` when samples have arrived.
   dds_entity_t reader(const dds_topic_descriptor_t& type, const std::string& topic, const dds_qos_t* qos,
                       dds_on_data_available_fn on_data, void* context) const;
 

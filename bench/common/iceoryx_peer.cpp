@@ -96,7 +96,7 @@ class IceoryxReader : public Reader {
  private:
   iox::popo::UntypedSubscriber subscriber_;
   iox::popo::WaitSet<> wait_set_;
-  const bool spinning_;  ///< true: the caller spins, and calls take() until a sample comes
+  const bool spinning_;  ///< true: the caller spins, and calls take() until a sample arrives
 };
 
 class IceoryxPeer : public Peer {

@@ -68,7 +68,7 @@ std::vector<std::byte> encoded(const T& message) {
   const StructType& type = detail::TypeTable<T>::type;
   const FieldMask full = type_support<T>().full();
   const std::uint32_t bytes = detail::encoded_size(type, &message, full).bytes;
-  // Consists of words of 8 bytes, so that it is aligned as bodies must be.
+  // The memory consists of words of 8 bytes, so that it has the alignment of a body.
   std::vector<std::uint64_t> memory((bytes + 7) / 8);
   const std::span<std::byte> body = std::as_writable_bytes(std::span(memory)).first(bytes);
   std::vector<std::uint32_t> index(detail::slot_count(type));

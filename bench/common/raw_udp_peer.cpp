@@ -28,7 +28,7 @@ namespace {
 constexpr std::uint16_t first_port = 44'000;
 constexpr int segment_bytes = 1472;  // an MTU of 1500 without the headers of IPv4 and UDP
 constexpr std::size_t train_bytes = 44 * segment_bytes;
-constexpr std::size_t small_datagram_bytes = 112;  // the same length as with SFT's headers
+constexpr std::size_t small_datagram_bytes = 112;  // the length of SFT's datagram with a small sample
 constexpr std::size_t received_bytes_max = 65'536;
 constexpr int buffer_bytes = 16 << 20;
 // Sent in place of a sample's number before all unacknowledged samples are sent once more.

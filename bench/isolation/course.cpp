@@ -44,8 +44,8 @@ class Link {
 
   /// Makes the host lose `lossy_percent` of the arriving packets, chosen at random (nftables).
   void make_lossy() const;
-  /// Makes the switch pass at most `narrow_mbit_s` Mbit/s on to the host. The switch queues 50 ms of
-  /// traffic, and drops what exceeds that (the token bucket filter of tc).
+  /// Limits the traffic from the switch to the host to `narrow_mbit_s` Mbit/s. The switch queues 50 ms of
+  /// traffic, and drops further packets (the token bucket filter of tc).
   void make_narrow() const;
   // The following functions undo these changes.
   void lose_nothing() const;
@@ -81,7 +81,7 @@ void Link::widen() const {
   check(network_->run_on_switch({"tc", "qdisc", "del", "dev", hosts::EmulatedNetwork::port(host_), "root"}));
 }
 
-/// Applies each phase to the remote reader.
+/// Changes the remote reader, or its link, as each phase requires.
 class Remote {
  public:
   Remote(Pipeline& pipeline, Link link) : pipeline_(pipeline), link_(std::move(link)) {}

@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* without = "without the remote reader";
 
-/// Formats times in ms as "1.23 (1.02)" or "none". The second number is the ratio.
+/// Formats a time in ms and its ratio to the baseline, as "1.23 (1.02)"; "none" if there is no time.
 std::string beside(double us, double baseline_us) {
   if (std::isnan(us)) return "none";
   if (std::isnan(baseline_us)) return fmt::format("{:.2f}", us / 1000);

@@ -13,7 +13,7 @@ struct Joining {
 };
 
 /// Runs the nodes and adds the figures. If not all nodes are matched in time, the figures cover only the
-/// time until then, and the complete ones would be larger.
+/// time before the limit, and complete figures would be larger.
 void run(const Member& member, const ManyScale& scale, void (Tally::*add)(double), Joining& joining) {
   Gathering gathering(member, readers, emulated_hosts);
   gathering.wait(scale.joining_s);

@@ -42,7 +42,7 @@ void publish_to_learner(Exchange& exchange, std::uint64_t messages) {
 }
 
 /// Reads the height whenever the subscriber no longer requests it and gets samples without it. Goes on
-/// reading it until the publisher has noted the request. The width is read of all samples.
+/// reading it until the publisher has noted the request. It reads the width of all samples.
 void learn(Exchange& exchange, std::uint64_t messages) {
   constexpr std::int64_t timeout_ns = 1'000'000'000;
   const FieldMask height(PointCloud2::Field::height);

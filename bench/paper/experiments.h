@@ -22,9 +22,9 @@ struct Scale {
 
 // The following functions add the records of all repeats to `results`.
 void run_parametric_study(const Stage& stage, const Scale& scale, Results& results);
-/// Runs the cases of Nav2, with messages that this benchmark makes and with recorded ones.
+/// Runs the cases of Nav2, with messages that this benchmark makes and with recorded messages.
 void run_nav2_cases(const Stage& stage, const Scale& scale, Results& results);
-/// Runs the case of the PointCloud2, with messages that this benchmark makes and with recorded ones.
+/// Runs the case of the PointCloud2, with messages that this benchmark makes and with recorded messages.
 void run_point_cloud_case(const Stage& stage, const Scale& scale, Results& results);
 
 }  // namespace sft::bench::paper

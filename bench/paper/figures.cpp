@@ -107,7 +107,7 @@ Carried carried(const Records& records, bool small) {
   return sum;
 }
 
-/// The configuration in which samples take most bytes relative to the fewest possible ones.
+/// The configuration in which samples take the most bytes in relation to the minimum that is possible.
 struct Worst {
   std::string label;
   Carried carried;

@@ -28,7 +28,7 @@ struct Row {
 
 /// Returns the rows of the parametric study.
 std::vector<Row> parametric_rows();
-/// Returns the rows of Nav2, with messages that this benchmark makes and with recorded ones.
+/// Returns the rows of Nav2, with messages that this benchmark makes and with recorded messages.
 std::vector<Row> nav2_rows();
 std::vector<Row> point_cloud_rows();
 

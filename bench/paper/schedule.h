@@ -15,7 +15,7 @@ struct Pace {
   std::size_t learning = 10;
   /// Time between these messages and the first phase, in which discovery and negotiation end.
   double settled_s = 3;
-  std::size_t settling = 25;  ///< number of messages of each phase before those that are counted
+  std::size_t settling = 25;  ///< number of messages at the start of each phase that are not counted
   std::size_t samples = 50;   ///< number of messages of each phase that are counted
 };
 

@@ -23,7 +23,7 @@ std::string published(const Row& row, double Published::*figure) {
   return row.published ? fmt::format("{:.1f}", (*row.published).*figure) : "";
 }
 
-/// Formats the bytes of a contender and their ratio to those of Cyclone DDS in the same cases, such as
+/// Formats the rate of a contender in kbit/s and its difference from that of Cyclone DDS in the same cases:
 /// "416.7 (-21.4 %)".
 std::string beside_cyclone(const Records& all, const Row& row, const Metric& metric, Way way) {
   const double cyclone = means(all, {way}, {Way::cyclone}, row.cases, received_bytes).theirs;

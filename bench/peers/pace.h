@@ -15,7 +15,7 @@ inline constexpr std::size_t samples_max = 4096;  ///< the maximum number of lat
 
 struct Pace {
   std::int64_t period_us = 200;  ///< time between two messages; longer if the previous one has not arrived
-  /// Number of messages before those that are counted; smaller if they are large.
+  /// The number of messages at the start that are not counted. It is smaller for large messages.
   std::size_t warm_up = 30;
   std::size_t samples = 1000;    ///< the maximum number of messages that are counted
   std::size_t samples_min = 12;  ///< the minimum number of messages that are counted

@@ -98,7 +98,7 @@ int write_all(Board& board, const Trial& trial) {
   return measure_all(board, writers, trial);
 }
 
-/// Reads messages of one size until the last message has come.
+/// Reads messages of one size until the last message has arrived.
 void read(Reader& reader, Receipts& receipts, const std::atomic<std::uint64_t>& last_number) {
   while (receipts.last.load() < last_number.load()) {
     reader.wait();

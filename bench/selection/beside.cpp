@@ -39,19 +39,19 @@ constexpr int quick_level = 1;  ///< the level at which zstd takes the least tim
 
 /// Publishes a cloud.
 using PublishCloud = std::function<void(const PointCloud2&)>;
-/// Is called for each reader that has read its points of a cloud.
+/// A function that is called for each reader that has read its points of a cloud.
 using NoteRead = std::function<void()>;
 
-/// A way in which readers on another host get their points: x, y and z of every point, of every second point,
-/// of every fourth point.
+/// A way in which readers on another host receive their points: x, y and z of every point, of every second
+/// point, and of every fourth point.
 struct Approach {
-  /// Opens publishers, and waits until all readers are served.
+  /// Opens publishers, and waits until all readers are served. Returns the function that publishes a cloud.
   PublishCloud (*publish)(Node& node, std::size_t readers);
-  /// Opens subscribers, which exist as long as the result.
+  /// Opens subscribers. They exist as long as the returned object.
   std::shared_ptr<void> (*subscribe)(Node& node, std::size_t readers, const NoteRead& note);
 };
 
-/// Returns the distance between the points that a reader needs.
+/// Returns n if the reader needs every n-th point.
 std::size_t step_of(std::size_t reader) { return std::size_t{1} << reader; }
 
 template <class T>
@@ -143,7 +143,7 @@ PublishCloud publish_compressed(Node& node, std::size_t) {
   };
 }
 
-/// The station unpacks each cloud once for all of its readers.
+/// Subscribes to compressed clouds. The host of the readers decompresses each cloud once for all readers.
 std::shared_ptr<void> subscribe_to_compressed(Node& node, std::size_t readers, const NoteRead& note) {
   const std::shared_ptr<ZSTD_DCtx> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
   const auto cloud = std::make_shared<std::vector<std::uint8_t>>();
@@ -161,9 +161,9 @@ std::shared_ptr<void> subscribe_to_compressed(Node& node, std::size_t readers, c
       node.subscriber<CompressedImage>("points/zstd", read, {.reliability = reliable}).value());
 }
 
-/// The cost of a cloud.
+/// The costs of a cloud.
 struct Costs {
-  double bytes = 0;  ///< received by the interface of the readers' host, with all headers
+  double bytes = 0;  ///< bytes that the interface of the readers' host received, with all headers
   double publisher_ms = 0, subscriber_ms = 0;  ///< processor time of all threads
 };
 
@@ -207,7 +207,7 @@ Costs costs_of(const TwoHosts& hosts, const Approach& approach, const PointCloud
   return *costs;
 }
 
-/// Returns the medians.
+/// Returns the median of each cost.
 Costs median_of(const std::vector<Costs>& rounds) {
   const auto of = [&](double Costs::*member) {
     std::vector<double> values;

@@ -19,9 +19,9 @@ class LocalPart {
   LocalPart(const LocalPart&) = delete;
   LocalPart& operator=(const LocalPart&) = delete;
 
-  /// Does the work of take(), and the work at the end of the sample.
+  /// Does the work of take(), and the work when the sample is released.
   void take_and_release();
-  /// Returns a copy that is the same as for a reader on another host.
+  /// Returns a copy of the part, as a reader on another host would receive it.
   core::SampleHandle copied() const { return copies_->of(sample_, *asked_->plan); }
   /// Returns the sample that is taken and kept.
   const detail::SampleState& state() const { return state_; }

@@ -14,10 +14,11 @@ std::vector<Figure> gathering_parts(int rounds);
 std::vector<Figure> reading_points(int rounds);
 /// Measures the costs of a part of a cloud on the link between two hosts, in bytes and time.
 std::vector<Figure> parts_between_hosts(std::uint64_t samples, int rounds);
-/// Measures what points of a recorded cloud cost for one reader and for three on another host: by selections,
-/// by a topic for each reader, and by compression of the whole cloud. Returns nothing without the recording.
+/// Measures the costs of points of a recorded cloud for three readers on another host, and for one of them,
+/// in three ways: by selections, by a separate topic for each reader, and by compression of the whole
+/// cloud. Returns nothing if there is no recording.
 std::vector<Figure> beside_narrow_topics_and_compression(std::uint64_t clouds, int rounds);
-/// Measures the time of a publisher to ask conditions that do not hold.
+/// Measures the time that a publisher needs to evaluate conditions that do not hold.
 std::vector<Figure> closed_gates(int rounds);
 /// Measures the time from set_selection() to the first sample with the new window, between hosts.
 std::vector<Figure> moved_windows(std::uint64_t moves, int rounds);

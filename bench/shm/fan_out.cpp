@@ -16,7 +16,7 @@ namespace sft::bench {
 namespace {
 
 constexpr std::uint64_t readers = 8;
-constexpr std::int64_t asleep_us = 300;  // after this time, all readers are asleep
+constexpr std::int64_t asleep_us = 300;  // the time after which all readers are asleep
 constexpr std::int64_t timeout_ns = 1'000'000'000;
 
 struct Board {

@@ -1,5 +1,5 @@
-// Measures the Python package, recordings and `sft perf`, beside programs that do only what is necessary. All
-// programs run on one host.
+// Measures the Python package, recordings and `sft perf`, compared with programs that do only what is
+// necessary. All programs run on one host.
 #include <cstdlib>
 
 #include "bench/common/program.h"

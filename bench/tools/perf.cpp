@@ -1,4 +1,5 @@
-// Measures half a round trip by `sft perf`, and by a program that does nothing else.
+// Measures half the time of a round trip, as `sft perf` reports it and as a program measures it that does
+// nothing else.
 #include <signal.h>
 #include <sys/prctl.h>
 
@@ -25,7 +26,7 @@ constexpr double overhead_bound = 1.05;
 constexpr std::int64_t rate_hz = 500;
 constexpr std::size_t ping_bytes = 64;
 
-/// Returns half the round trip that `sft perf` tells, in us; nothing if it failed.
+/// Returns half the times of round trips that `sft perf` reports, in us; nothing if it failed.
 std::vector<double> reported_by_perf(const std::string& transport, double seconds,
                                      const test::TemporaryDirectory& folder) {
   const std::string output = folder.path() / "ping.json";
@@ -42,7 +43,7 @@ std::vector<double> reported_by_perf(const std::string& transport, double second
   return {result["lanes"][0]["latency_s"]["p50"].get<double>() * 1e6};
 }
 
-/// A publisher and a subscriber of encoded messages, as `sft perf` has them: it knows types at run time only.
+/// A publisher and a subscriber of encoded messages. As in `sft perf`, the type is known only at run time.
 struct Ends {
   Ends(const char* name, TransportChoice transport, const char* sends, const char* hears,
        std::function<void(const DynamicSample&)> heard)
@@ -67,7 +68,7 @@ struct Ends {
   }
 };
 
-/// Answers each sample, until the exchange is over.
+/// Answers each sample until the exchange is over.
 void answer(TransportChoice transport, Exchange& exchange) {
   std::atomic<Ends*> answering{nullptr};
   Ends ends("pong", transport, "answers", "samples", [&](const DynamicSample&) {
@@ -79,7 +80,7 @@ void answer(TransportChoice transport, Exchange& exchange) {
   wait_until([&] { return exchange.sent != 0; }, 60);
 }
 
-/// Sends samples by a schedule, and notes when their answers come.
+/// Sends samples by a schedule, and notes when their answers arrive.
 void ask(TransportChoice transport, std::uint64_t count, Exchange& exchange) {
   prctl(PR_SET_TIMERSLACK, 1);
   Ends ends("ping", transport, "samples", "answers", [&](const DynamicSample& sample) {

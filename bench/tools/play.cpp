@@ -1,4 +1,4 @@
-// Measures by how much the distances of samples that `sft play` publishes differ from those of the recording.
+// Measures by how much the intervals between samples of `sft play` differ from those in the recording.
 #include <sft/sft.h>
 #include <chrono>
 #include <cmath>
@@ -23,7 +23,7 @@ using namespace std::chrono_literals;
 constexpr double jitter_ms = 1;
 constexpr std::int64_t ms = 1'000'000;
 constexpr std::int64_t begin_ns = 1'700'000'000'000 * ms;
-constexpr std::size_t each = 20;  // of the numbers, with one large message
+constexpr std::size_t each = 20;  // numbers between two large messages
 
 /// A topic of the recording.
 struct TopicOfRecording {
@@ -36,16 +36,16 @@ struct TopicOfRecording {
 constexpr TopicOfRecording numbers{"numbers", "sft_bench/msg/Number", "uint64 data\n"};
 constexpr TopicOfRecording bulk{"bulk", "sft_bench/msg/Bytes", "uint8[] data\n"};
 
-/// The content of the recording: numbers with the times at which they are due, and large messages with some
-/// of them.
+/// The contents of the recording: numbers with the times at which they are due, and large messages together
+/// with some of the numbers.
 struct Plan {
   std::vector<std::int64_t> due_ns{};
-  std::vector<std::byte> large{};  ///< encoded; empty: there are none
+  std::vector<std::byte> large{};  ///< the encoded large message; empty: there are no large messages
 
   bool has_large_at(std::size_t i) const { return !large.empty() && i % each == 0; }
 };
 
-/// Numbers at distances of 1 to 9 ms.
+/// Returns a plan with numbers at intervals of 1 to 9 ms.
 Plan plan_for(double seconds, std::uint32_t large_bytes) {
   Plan plan;
   std::minstd_rand random(1);
@@ -86,7 +86,7 @@ void write_recording(const Plan& plan, const std::string& path) {
   (void)writer.close();
 }
 
-/// A program that publishes the same at the same times.
+/// Publishes the same messages at the same times as `sft play` does. It is the reference.
 void publish(const Plan& plan) {
   Node node = Node::open({.name = "player"}).value();
   auto small = node.publisher(numbers.topic, numbers.parsed()).value();
@@ -98,10 +98,10 @@ void publish(const Plan& plan) {
     (void)small.publish_cdr(encoded(i));
     if (plan.has_large_at(i)) (void)large.publish_cdr(plan.large);
   }
-  sleep_us(200'000);  // until the last number was received
+  sleep_us(200'000);  // waits until the last number was received
 }
 
-/// Notes when each number comes.
+/// Notes when each number arrives.
 void receive(const Plan& plan, Exchange& exchange) {
   Node node = Node::open({.name = "reader"}).value();
   auto large = node.subscriber(bulk.topic, bulk.parsed(), "*").value();
@@ -117,7 +117,7 @@ void receive(const Plan& plan, Exchange& exchange) {
   }
 }
 
-/// Returns by how much the distances of neighbours differ from those of the plan, in ms.
+/// Returns by how much the intervals between successive numbers differ from those of the plan, in ms.
 std::vector<double> jitter(const Plan& plan, const std::function<void(Exchange&)>& player) {
   const std::vector<Delivery> came =
       run_deliveries({.sender = player, .receiver = [&](Exchange& exchange) { receive(plan, exchange); }},

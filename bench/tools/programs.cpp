@@ -48,7 +48,7 @@ int publish_clouds(const Clouds& clouds, Stage& stage) {
   using namespace std::chrono_literals;
   using sensor_msgs::msg::PointCloud2;
   constexpr std::int64_t retry_us = 100;
-  constexpr std::int64_t last_us = 300'000;  // in which the last samples are taken
+  constexpr std::int64_t last_us = 300'000;  // the time in which readers take the last samples
 
   Node node = Node::open(node_options("camera", TransportChoice::shm)).value();
   const bool is_flood = clouds.period_us == 0;

@@ -1,4 +1,4 @@
-// Measures the Python package beside the same steps in C++.
+// Measures the Python package, compared with the same steps in C++.
 #include <fmt/format.h>
 #include <sft/sft.h>
 #include <chrono>
@@ -28,12 +28,12 @@ using nlohmann::json;
 using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 
-constexpr double takes_more_us = 8;     // what a take in Python may cost more than one in C++
-constexpr double points_us = 30;        // what access to the points of a cloud may cost, whatever its size
-constexpr double loan_bound = 1.1;      // of a loan in C++
-constexpr double private_bound = 0.01;  // of the bytes of the samples that Python holds
+constexpr double takes_more_us = 8;     // the limit of a take in Python minus a take in C++
+constexpr double points_us = 30;        // the limit of the access to the points of a cloud of any size
+constexpr double loan_bound = 1.1;      // the limit relative to a loan in C++
+constexpr double private_bound = 0.01;  // the limit relative to the bytes of the samples that Python holds
 constexpr std::int64_t period_us = 2000;
-constexpr std::uint32_t rows = 128;  // of a cloud of 6.3 MB
+constexpr std::uint32_t rows = 128;  // a cloud with this number of rows has 6.3 MB
 
 double us_since(std::int64_t begin) { return static_cast<double>(now_ns() - begin) / 1000; }
 
@@ -81,7 +81,8 @@ int take_all(const Stage& stage) {
   return 0;
 }
 
-/// The programs of one measurement: one to measure, and one that publishes to it or reads from it.
+/// Runs the programs of one measurement: the measured program, and a program that publishes to it or reads
+/// from it.
 class Course {
  public:
   explicit Course(std::uint64_t count) : count_(count) {}
@@ -125,7 +126,7 @@ class Course {
   const std::string output_ = folder_.path() / "times.json";
 };
 
-/// Adds the times with this name; none if the step failed.
+/// Adds the times with this name; no times if the step failed.
 void add(Rounds& to, const json& result, const char* name = "times") {
   if (result.contains(name)) to.add(result[name].get<std::vector<double>>());
 }

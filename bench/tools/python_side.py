@@ -1,8 +1,8 @@
-"""The side of ./run bench tools that is in Python. It prints what it measured as JSON; times are in us.
+"""The Python side of ./run bench tools. It prints its measurements as JSON. Times are in us.
 
     python_side.py take|points|loan COUNT BYTES
 
-Copies are counted by address: all bytes of an array that is not over shared memory count as copied. The private memory
+Copies are counted by address: all bytes of an array that is not in shared memory count as copied. The private memory
 by which the process grows while it holds samples shows copies of any other kind.
 """
 
@@ -27,7 +27,7 @@ def us_since(begin):
 
 
 def is_shared(array):
-    """Returns whether the array is over shared memory."""
+    """Returns true if the array is in shared memory."""
     address = array.__array_interface__["data"][0]
     with open("/proc/self/maps", encoding="utf-8") as maps:
         for line in maps:

@@ -1,5 +1,5 @@
-// Measures `sft record`: its processor time beside that of memcpy and write of the same bytes, and how fast
-// it writes beside dd.
+// Measures `sft record`: its processor time compared with that of memcpy and write for the same bytes, and
+// its speed of writing compared with that of dd.
 #include <fcntl.h>
 #include <signal.h>
 #include <unistd.h>
@@ -23,19 +23,19 @@ namespace sft::bench {
 namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
-constexpr double full_bound = 1.3;  // of memcpy and write
-constexpr double xyz_bound = 0.35;  // of whole clouds
-constexpr double rate_bound = 0.8;  // of dd
+constexpr double full_bound = 1.3;  // relative to memcpy and write
+constexpr double xyz_bound = 0.35;  // relative to whole clouds
+constexpr double rate_bound = 0.8;  // relative to dd
 constexpr std::int64_t record_period_us = 50'000;
 
 struct Recorded {
-  double cpu_ms = none;   ///< of a sample
+  double cpu_ms = none;   ///< processor time per sample
   double lost = none;     ///< the number of samples that are not in the file
-  double bytes = 0;       ///< of the file
-  double seconds = none;  ///< from the first sample until the file is on the disk
+  double bytes = 0;       ///< the size of the file
+  double seconds = none;  ///< the time from the first sample until the file is on the disk
 };
 
-/// Records clouds, until the publisher has ended. Leaves the file.
+/// Records clouds until the publisher has ended. The file is kept.
 Recorded recorded(const Clouds& clouds, const std::string& topic, const test::TemporaryDirectory& folder) {
   const std::string file = folder.path() / "run.mcap", output = folder.path() / "record.json";
   std::filesystem::remove(file);
@@ -67,9 +67,10 @@ bool write_all(int file, const std::vector<std::byte>& bytes) {
   return true;
 }
 
-/// Returns the processor time for a sample of a process that copies samples and writes them, in ms.
+/// Returns the processor time per sample in ms of a process that only copies samples and writes them.
 double copying_ms(const Clouds& clouds, const test::TemporaryDirectory& folder) {
-  constexpr std::size_t places = 8;  // as many samples are in memory, so that they do not stay in a cache
+  // The number of samples in memory, so many that they do not stay in a cache
+  constexpr std::size_t places = 8;
   const std::string path = folder.path() / "copy";
   const Shared<double> cpu_ms;
   *cpu_ms = none;
@@ -91,7 +92,7 @@ double copying_ms(const Clouds& clouds, const test::TemporaryDirectory& folder) 
   return *cpu_ms;
 }
 
-/// Returns how fast dd copies the file to the same disk, in GB/s.
+/// Returns the speed with which dd copies the file to the same disk, in GB/s.
 double dd_rate(double bytes, const test::TemporaryDirectory& folder) {
   const std::int64_t begin = now_ns();
   const bool copied = succeeds(
@@ -110,7 +111,7 @@ std::vector<Figure> record(const Scale& scale) {
   const test::TemporaryDirectory folder;
   const auto samples = static_cast<std::uint64_t>(scale.seconds * 1e6 / record_period_us);
   const Clouds paced{.count = samples, .period_us = record_period_us};
-  const Clouds flood{.count = 4 * samples};  // 1 GB, so that the end of the program hardly counts
+  const Clouds flood{.count = 4 * samples};  // 1 GB, so that the time to end the program hardly counts
   std::vector<double> full, xyz, copying, rate, dd, lost;
   for (int round = 0; round < scale.rounds; ++round) {
     const Recorded whole = recorded(paced, "cloud", folder);

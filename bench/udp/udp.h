@@ -15,7 +15,7 @@ struct Scale {
   std::uint64_t messages = 2000;  ///< number of messages of 64 bytes per round and contender
 };
 
-/// Measures the highest rate of reliable samples of 4 MiB, and its processor time.
+/// Measures the highest rate of reliable samples of 4 MiB, and the processor time per sample.
 std::vector<Figure> bulk(const Scale& scale);
 /// Measures the round trip of samples of 64 bytes between hosts, for each way of waiting for samples.
 std::vector<Figure> small(const Scale& scale);
@@ -26,7 +26,7 @@ std::vector<Figure> cold_path(const Scale& scale);
 std::vector<Figure> rate(const Scale& scale);
 /// Measures the bytes on the link in addition to those of the samples.
 std::vector<Figure> wire_overhead(const Scale& scale);
-/// The bytes on the link: per sample of a diagnostic subscriber, and per second of an idle node.
+/// Measures the bytes on the link: per sample of a diagnostic subscriber, and per second of an idle node.
 std::vector<Figure> diagnostic_bytes();
 
 }  // namespace sft::bench

@@ -1,5 +1,5 @@
-// Measures bytes on the link. Interfaces cut trains into frames here, so that each frame is counted with its
-// headers.
+// Measures bytes on the link. The virtual interfaces of this benchmark cut trains of datagrams into frames,
+// so that each frame is counted with its headers.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -24,7 +24,8 @@ struct Flow {
 
 constexpr std::uint64_t samples_before = 10;
 constexpr std::int64_t settling_us = 500'000;  // the time after which the traffic of joining is over
-// The time for which idle traffic is measured at most, since it is much less than that of samples.
+// The maximum time for which idle traffic is measured. Idle traffic is much less than the traffic of
+// samples.
 constexpr std::int64_t quiet_us_max = 2'000'000;
 
 class Sender {
@@ -54,8 +55,8 @@ double link_bytes_per_s_when_quiet(std::int64_t us) {
   return static_cast<double>(link_bytes().sent - before) * 1e6 / static_cast<double>(us);
 }
 
-/// Returns the bytes that are sent for the samples, without those that are sent in the same time without
-/// samples. Nothing if a sample did not arrive.
+/// Returns the number of bytes that are sent for the samples, without the bytes that are sent in the same
+/// time without samples. Returns nothing if a sample did not arrive.
 std::optional<double> send(Exchange& exchange, const Flow& flow) {
   const auto peer = sft_peer();
   const auto writer = peer->writer(flow.topic);
@@ -99,7 +100,8 @@ constexpr std::uint32_t fixed_body_bytes = 20;
 constexpr double frame_headers = 14 + 20 + 8;  // headers of Ethernet, IPv4 and UDP
 constexpr double frame_payload_max = 1472;     // the payload at an MTU of 1500
 
-/// Returns the bytes of frames without headers of SFT. All frames are full except the last one.
+/// Returns the number of bytes of frames that carry the body without headers of SFT. All frames are full
+/// except the last one.
 double packed_perfectly(double body_bytes) {
   return body_bytes + std::ceil(body_bytes / frame_payload_max) * frame_headers;
 }

@@ -1,5 +1,6 @@
-// Measures what vanilla readers of a topic cost its other readers: the latency within the host of the
-// publisher while a vanilla reader is stopped, and the bytes that another host receives.
+// Measures what vanilla readers of a topic cost its other readers. Two figures are measured: the latency
+// within the host of the publisher while a vanilla reader is stopped, and the bytes that another host
+// receives.
 #include <sft/sft.h>
 
 #include <atomic>
@@ -23,7 +24,7 @@ namespace {
 using sensor_msgs::msg::PointCloud2;
 
 constexpr double latency_bound = 1.1, bytes_bound = 1.005;
-/// A p99 needs this many times as many samples.
+/// The factor by which the number of samples is increased, because a p99 needs more samples.
 constexpr std::uint64_t for_p99 = 3;
 constexpr std::int64_t quiet_us = 1'000'000;
 
@@ -41,7 +42,7 @@ int read_until_killed() {
 int read_until_matched_and_stop() {
   const PlainReader reader([](std::uint32_t) {});
   if (!wait_until([&] { return reader.writers() == 1; })) return 1;
-  sleep_us(quiet_us);  // until the writer knows the reader, too
+  sleep_us(quiet_us);  // waits until the writer knows the reader, too
   raise(SIGSTOP);
   return 0;
 }
@@ -94,11 +95,12 @@ std::vector<double> local_times(std::shared_ptr<const hosts::EmulatedNetwork> ne
                   samples);
 }
 
-/// The values that the publisher and the parent of its process exchange.
+/// The values that the publisher and its parent process exchange.
 struct Board {
   std::atomic<bool> is_served{false};
   std::atomic<std::size_t> vanilla_readers{0};
-  std::atomic<std::uint64_t> wanted{0}, published{0};  ///< numbers of samples
+  /// Numbers of samples: up to which the publisher must publish, and up to which it has published
+  std::atomic<std::uint64_t> wanted{0}, published{0};
 };
 
 int publish_what_is_wanted(Board& board) {
@@ -129,7 +131,7 @@ int subscribe_until_killed() {
   for (;;) sleep_us(quiet_us);
 }
 
-/// Returns the bytes that host 1 receives of each sample.
+/// Returns the bytes that host 1 receives per sample.
 double bytes_of_each_sample(const HostProcesses& processes, Board& board, std::uint64_t samples) {
   sleep_us(quiet_us);
   const LinkBytes before = processes.link_bytes(1);

@@ -25,7 +25,7 @@ using sensor_msgs::msg::PointCloud2;
 
 constexpr double write_bound = 0.95, read_bound = 1.1;
 constexpr std::int64_t joining_us = 500'000;
-/// With it, the publisher keeps two samples for resending.
+/// The maximum size of a sample. With this size, the publisher keeps two samples for resending.
 constexpr std::size_t sample_bytes_max = 8 << 20;
 
 NodeOptions serving_node(const char* name) {
@@ -36,7 +36,7 @@ NodeOptions serving_node(const char* name) {
 
 using Write = std::function<void(std::uint32_t number)>;
 
-/// Writes `samples` samples once there is a reader.
+/// Writes `samples` samples as soon as there is a reader.
 void write_all(Exchange& exchange, std::uint64_t samples, const std::function<bool()>& has_reader,
                const Write& write) {
   exchange.failed = !wait_until(has_reader);
@@ -46,7 +46,7 @@ void write_all(Exchange& exchange, std::uint64_t samples, const std::function<bo
     sleep_until(begin + static_cast<std::int64_t>(i) * vanilla_period_ns);
     write(static_cast<std::uint32_t>(i));
   }
-  sleep_until(now_ns() + vanilla_period_ns);  // the last sample is sent
+  sleep_until(now_ns() + vanilla_period_ns);  // waits until the last sample has been sent
   exchange.returned_at[0] = process_cpu_ns() - cpu_begin;
   exchange.sent = samples;
 }
@@ -91,16 +91,17 @@ void write_by_cyclone(Exchange& exchange, std::uint64_t samples) {
       [&](std::uint32_t number) { writer.write(number); });
 }
 
-/// Counts the samples that come to the reader that `open` opens, and the processor time until all were sent.
+/// Opens a reader with `open`. Counts the samples that arrive at this reader, and measures the processor
+/// time until all samples were sent.
 void read_all(Exchange& exchange, const std::function<std::shared_ptr<void>(std::function<void()>)>& open) {
   std::atomic<std::int64_t> came{0}, cpu_begin{0};
   const auto reader = open([&] {
     if (came++ == 0) cpu_begin = process_cpu_ns();
   });
-  // A look costs a processor little here.
+  // The pause between two checks is so long that they take hardly any processor time.
   while (exchange.sent == 0 && !exchange.failed) sleep_us(vanilla_period_ns / 1000);
   exchange.sent_at[0] = process_cpu_ns() - cpu_begin;
-  exchange.received_at[0] = came - 1;  // the first one was taken before
+  exchange.received_at[0] = came - 1;  // the first sample arrived before the measurement
 }
 
 void read_by_sft(Exchange& exchange) {
@@ -121,14 +122,14 @@ void read_by_cyclone(Exchange& exchange) {
 
 /// The measurements of both sides of a pair.
 struct Measured {
-  double writing_ms = 0;  ///< of each sample that was written
-  double reading_ms = 0;  ///< of each sample that came
+  double writing_ms = 0;  ///< processor time per written sample
+  double reading_ms = 0;  ///< processor time per received sample
 };
 
 using Writes = void (*)(Exchange&, std::uint64_t samples);
 using Reads = void (*)(Exchange&);
 
-/// A pair that loses a tenth of its samples or more measures nothing.
+/// Measures a pair of programs. Returns nothing if at least a tenth of the samples are lost.
 std::optional<Measured> measure(const TwoHosts& hosts, std::uint64_t samples, Writes write, Reads read) {
   const auto one = run_deliveries(hosts.sides([=](Exchange& e) { write(e, samples); }, read), 1);
   if (one.empty()) return {};
@@ -159,7 +160,8 @@ std::vector<double> compare(const VanillaScale& scale, const std::vector<Pair>& 
   return medians;
 }
 
-/// The subscribers of this program read messages where these have arrived.
+/// Reads each message in two subscribers of one program. Both read it at the place in memory where it has
+/// arrived.
 void read_twice(Exchange& exchange) {
   Node node = Node::open(serving_node("reader")).value();
   auto first = node.subscriber<PointCloud2>("points", {.reliability = reliable}).value();
@@ -191,9 +193,9 @@ double copies() {
 
 /// Nobody writes the data anew: as a driver does so, it takes the same time in a struct and in a loan.
 std::vector<Figure> vanilla_write(const VanillaScale& scale) {
-  const std::vector<double> costs = compare(
-      scale, {{publish_loans, read_by_cyclone}, {publish_structs, read_by_cyclone}, without_sft},
-      &Measured::writing_ms);
+  const std::vector<double> costs =
+      compare(scale, {{publish_loans, read_by_cyclone}, {publish_structs, read_by_cyclone}, without_sft},
+              &Measured::writing_ms);
   const char* reference = "dds_write, CPU of a sample";
   return {{"vanilla_write", costs[0], "ms", costs[2], reference, write_bound},
           {"vanilla_write_struct", costs[1], "ms", costs[2], reference, {}}};

@@ -1,7 +1,7 @@
-// Measures how soon a vanilla reader that starts gets its first sample of a program that has been running on
-// another host. The program sends a thousand times per second, so the wait for the next sample is short. A
-// program with SFT is in the domain of DDS nodes already, as beside any other such node, or it has to join
-// this domain first.
+// Measures how soon a starting vanilla reader receives its first sample from a program on another host that
+// has been running for a while. The program sends a thousand samples per second, so the wait for the next
+// sample is short. A program with SFT is measured in two cases: it is already in the domain of DDS nodes,
+// because it has found another DDS node before, or it has to join this domain first.
 #include <sft/sft.h>
 
 #include <atomic>

@@ -1,5 +1,5 @@
-// Measures idle nodes while there is no vanilla node. The nodes that never serve or hear one are measured in
-// the same seconds, on a network of their own.
+// Measures idle nodes while there is no vanilla node. They are compared with nodes for which communication
+// with vanilla nodes is turned off. Both are measured in the same seconds, on separate networks.
 #include <sft/sft.h>
 
 #include <filesystem>
@@ -19,7 +19,8 @@ namespace {
 using sensor_msgs::msg::PointCloud2;
 using VanillaDds = NodeOptions::VanillaDds;
 
-/// Chance decides about a few datagrams and pages.
+/// The maximum ratio of each figure to its reference. It is more than 1, because the numbers of datagrams and
+/// pages vary by chance.
 constexpr double idle_bound = 1.02;
 constexpr std::int64_t joined_us = 5'000'000;
 constexpr int nodes_of_host = 4;

@@ -1,5 +1,5 @@
-// Measures what it costs to serve and to hear nodes of plain DDS, beside Cyclone DDS alone, and that such
-// nodes cost other readers nothing.
+// Measures the costs of communication with nodes of plain DDS, compared with Cyclone DDS alone. Also
+// measures that such nodes cost other readers nothing.
 #include "bench/common/program.h"
 #include "bench/vanilla/vanilla.h"
 #include "tests/support/isolated_host.h"

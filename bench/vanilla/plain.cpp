@@ -7,12 +7,12 @@ namespace sft::bench {
 
 namespace {
 
-/// The receive buffer holds a burst of one sample, and a stopped reader stays known.
+/// The receive buffer is large enough for one sample at once. The long lease keeps a stopped reader known.
 constexpr const char* settings =
     "<Discovery><LeaseDuration>100 s</></>,"
     "<Internal><SocketReceiveBufferSize min=\"default\" max=\"4MB\"/></>";
 constexpr const char* topic_name = "rt/points";
-constexpr std::int32_t depth = 10;  // as in ROS 2
+constexpr std::int32_t depth = 10;  // the depth that is usual in ROS 2
 
 CycloneQos reliable_qos() {
   CycloneQos qos(dds_create_qos(), dds_delete_qos);
@@ -48,7 +48,7 @@ PlainReader::PlainReader(std::function<void(std::uint32_t)> arrived)
           sensor_msgs_msg_dds__PointCloud2__desc, topic_name, reliable_qos().get(),
           [](dds_entity_t reader, void* self) { static_cast<PlainReader*>(self)->take(reader); }, this)) {}
 
-PlainReader::~PlainReader() { dds_delete(reader_); }  // Cyclone waits for the listener
+PlainReader::~PlainReader() { dds_delete(reader_); }  // Cyclone waits here for the end of the listener
 
 void PlainReader::take(dds_entity_t reader) {
   void* to = &cloud_;

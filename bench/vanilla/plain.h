@@ -1,5 +1,5 @@
-// A writer and a reader of point clouds as nodes of ROS 2 have them on the topic "points". They use the
-// struct that Cyclone DDS generates, and know nothing of SFT.
+// A writer and a reader of point clouds on the topic "points", as nodes of ROS 2 would open them. They use
+// the struct that Cyclone DDS generates, and know nothing of SFT.
 #pragma once
 
 #include <cstddef>
@@ -31,7 +31,8 @@ class PlainWriter {
 
 class PlainReader {
  public:
-  /// A thread of Cyclone calls `arrived` with the number of each sample, after it was taken as a struct.
+  /// Opens a reader. A thread of Cyclone takes each sample as a struct, and then calls `arrived` with its
+  /// number.
   explicit PlainReader(std::function<void(std::uint32_t)> arrived);
   ~PlainReader();
   PlainReader(const PlainReader&) = delete;

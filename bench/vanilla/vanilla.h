@@ -16,21 +16,22 @@ struct VanillaScale {
   double idle_s = 20;          ///< the time in which idle nodes are measured
 };
 
-/// Measures the processor time of a program that publishes to a vanilla reader on another host, by loans and
-/// by structs, against one that writes the same struct by Cyclone DDS.
+/// Measures the processor time of a program that publishes to a vanilla reader on another host, by loans
+/// and by structs, compared with a program that writes the same struct by Cyclone DDS.
 std::vector<Figure> vanilla_write(const VanillaScale& scale);
-/// Measures the processor time of a program that subscribes to a vanilla writer on another host, against a
-/// vanilla reader. Counts the copies of a message that two subscribers of a program have.
+/// Measures the processor time of a program that subscribes to a vanilla writer on another host, compared
+/// with a vanilla reader. Counts the copies of a message that exist for two subscribers of one program.
 std::vector<Figure> vanilla_read(const VanillaScale& scale);
 /// Measures the time from the start of a vanilla reader until its first sample from another host.
 std::vector<Figure> vanilla_first_sample(const VanillaScale& scale);
-/// Measures the latency within a host while a vanilla reader of the same samples is stopped, against that
-/// without such a reader.
+/// Measures the latency within a host while a vanilla reader of the same samples is stopped, compared with
+/// the latency without such a reader.
 std::vector<Figure> local_beside_stopped_vanilla(const VanillaScale& scale);
-/// Counts the bytes that a host with a subscriber receives of each sample, after a vanilla reader on a third
-/// host has come and before.
+/// Measures the bytes per sample that a host with a subscriber receives, before and after a vanilla reader
+/// on a third host has joined.
 std::vector<Figure> bytes_to_sft_readers(const VanillaScale& scale);
-/// Measures idle nodes while there is no vanilla node, against nodes that never serve or hear one.
+/// Measures idle nodes while there is no vanilla node, compared with nodes for which communication with
+/// vanilla nodes is turned off.
 std::vector<Figure> idle_without_vanilla(const VanillaScale& scale);
 
 }  // namespace sft::bench

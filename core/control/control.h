@@ -6,10 +6,11 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
-#include "core/control/qos.h"
+#include "core/names/qos.h"
 #include "core/seam/transport.h"
 #include "sft/domain.h"
 
@@ -26,7 +27,6 @@ inline constexpr std::size_t addresses_max = 16;
 inline constexpr std::size_t living_max = 1024;
 inline constexpr std::size_t progress_max = 64;
 inline constexpr std::size_t accounts_max = 32;
-inline constexpr std::size_t name_bytes_max = 255;
 inline constexpr std::size_t type_description_bytes_max = 65'536;
 
 /// The greatest sequence of an accepted request. Later requests can still have greater sequences.
@@ -90,6 +90,9 @@ struct Account {
   DomainSnapshot::Received by_reader{};
   friend bool operator==(const Account&, const Account&) = default;
 };
+
+/// The accounts of pairs, as far as they are known.
+using PairAccounts = std::map<PairId, DomainSnapshot::Account>;
 
 /// A request of a node for information that records do not contain.
 struct Inquiry {

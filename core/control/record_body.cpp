@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "core/control/names.h"
+#include "core/names/names.h"
 #include "sft_control.h"
 
 namespace sft::core {

@@ -79,6 +79,14 @@ void take_all(dds_entity_t reader, Use use) {
   }
 }
 
+/// The sample refers to the octets, which Cyclone only reads.
+template <class Sample>
+void set_body(Sample& sample, std::span<const std::byte> body) {
+  const auto size = static_cast<std::uint32_t>(body.size());
+  auto* const octets = const_cast<std::byte*>(body.data());
+  sample.body = {size, size, reinterpret_cast<std::uint8_t*>(octets), false};
+}
+
 tl::unexpected<Error> refused(const char* what, dds_return_t status) {
   return fail(Errc::system, std::string(what) + ": " + dds_strretcode(status));
 }
@@ -116,7 +124,7 @@ Result<std::unique_ptr<ControlLink>> ControlLink::open(const Place& place, Known
 }
 
 Result<void> ControlLink::open() {
-  if (place_.heartbeats) socket_ = HeartbeatSocket::open(*place_.heartbeats);
+  if (place_.heartbeat_port) socket_ = HeartbeatSocket::open(place_.spec, *place_.heartbeat_port);
   data_.uses_topic = !socket_;
   const CycloneMessages messages;
   participant_ = dds_create_participant(place_.domain->id(), user_data_qos(data_).get(), nullptr);
@@ -139,28 +147,25 @@ Result<void> ControlLink::open() {
 Result<void> ControlLink::use(Topic& topic, bool reads, bool writes) {
   if (reads == (topic.reader != 0) && writes == (topic.writer != 0)) return {};
   const DdsQos qos = qos_of(topic.is_reliable);
-  const auto set = [&](dds_entity_t& entity, bool wanted, auto create) -> Result<void> {
-    if (wanted == (entity != 0)) return {};
-    if (!wanted) return dds_delete(std::exchange(entity, 0)), Result<void>();
-    const dds_entity_t created = create();
-    if (created < 0) return refused((std::string("control topic ") + topic.name).c_str(), created);
-    entity = created;
-    return {};
-  };
-  return set(topic.topic, true,
-             [&] { return dds_create_topic(participant_, topic.type, topic.name, qos.get(), nullptr); })
-      .and_then([&] {
-        return set(topic.writer, writes,
-                   [&] { return dds_create_writer(participant_, topic.topic, qos.get(), nullptr); });
-      })
-      .and_then([&] {
-        return set(topic.reader, reads, [&] {
-          const DdsListener listener(dds_create_listener(this));
-          dds_lset_data_available(listener.get(), topic.take);
-          dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
-          return dds_create_reader(participant_, topic.topic, qos.get(), listener.get());
-        });
-      });
+  if (!writes && topic.writer != 0) dds_delete(std::exchange(topic.writer, 0));
+  if (!reads && topic.reader != 0) dds_delete(std::exchange(topic.reader, 0));
+  if (topic.topic == 0)
+    topic.topic = dds_create_topic(participant_, topic.type, topic.name, qos.get(), nullptr);
+  if (writes && topic.writer == 0)
+    topic.writer = dds_create_writer(participant_, topic.topic, qos.get(), nullptr);
+  if (reads && topic.reader == 0) {
+    const DdsListener listener(dds_create_listener(this));
+    dds_lset_data_available(listener.get(), topic.take);
+    dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
+    topic.reader = dds_create_reader(participant_, topic.topic, qos.get(), listener.get());
+  }
+  Result<void> result;
+  for (dds_entity_t* const made : {&topic.topic, &topic.writer, &topic.reader}) {
+    if (*made >= 0) continue;
+    const dds_return_t status = std::exchange(*made, 0);
+    if (result) result = refused((std::string("control topic ") + topic.name).c_str(), status);
+  }
+  return result;
 }
 
 Result<void> ControlLink::follow(const LinkUse& wanted) {
@@ -197,11 +202,7 @@ Result<void> ControlLink::try_to_write(Role role, const RecordKey& key, const Re
   sample.kind = static_cast<std::uint8_t>(key.kind);
   sample.version = static_cast<std::uint8_t>(control_protocol_version());
   sample.revision = record.revision;
-  if (!record.is_withdrawn()) {
-    const auto size = static_cast<std::uint32_t>(record.body->size());
-    auto* const octets = const_cast<std::byte*>(record.body->data());
-    sample.body = {size, size, reinterpret_cast<std::uint8_t*>(octets), false};
-  }
+  if (!record.is_withdrawn()) set_body(sample, *record.body);
   const dds_return_t status = dds_write(topic.writer, &sample);
   return status == DDS_RETCODE_OK ? Result<void>() : refused("a control record was not written", status);
 }
@@ -235,9 +236,7 @@ void ControlLink::give_report(std::span<const std::byte> body) {
   if (reports_.writer == 0) return;
   sft_control_Report sample{};
   sample.version = static_cast<std::uint8_t>(control_protocol_version());
-  const auto size = static_cast<std::uint32_t>(body.size());
-  auto* const octets = const_cast<std::byte*>(body.data());
-  sample.body = {size, size, reinterpret_cast<std::uint8_t*>(octets), false};
+  set_body(sample, body);
   dds_write(reports_.writer, &sample);
 }
 
@@ -299,16 +298,21 @@ std::optional<ParticipantGuid> ControlLink::participant_of(dds_entity_t reader,
   return guid;
 }
 
-/// SFT neither disposes of records nor unregisters them: only forged samples do. So only samples with data
-/// are used.
-void ControlLink::take_records(dds_entity_t reader, Role role) {
+/// Calls use(participant, sample) for each sample that the reader has. SFT neither disposes of samples nor
+/// unregisters them: only forged samples do. So only samples with data are used.
+template <class Sample, class Use>
+void ControlLink::take(dds_entity_t reader, Use use) {
   const Lock lock(taking_);
-  take_all<sft_control_Record>(reader, [&](const sft_control_Record& sample,
-                                           const dds_sample_info_t& info) SFT_NO_THREAD_SAFETY_ANALYSIS {
-    if (!info.valid_data) return;
-    const auto by = participant_of(reader, info.publication_handle);
-    if (!by) return;
-    if (!std::ranges::equal(sample.participant, *by))
+  take_all<Sample>(reader,
+                   [&](const Sample& sample, const dds_sample_info_t& info) SFT_NO_THREAD_SAFETY_ANALYSIS {
+                     if (!info.valid_data) return;
+                     if (const auto by = participant_of(reader, info.publication_handle)) use(*by, sample);
+                   });
+}
+
+void ControlLink::take_records(dds_entity_t reader, Role role) {
+  take<sft_control_Record>(reader, [&](const ParticipantGuid& by, const sft_control_Record& sample) {
+    if (!std::ranges::equal(sample.participant, by))
       return peers_.sample_refused("a control record in the name of another participant");
     if (sample.version != control_protocol_version() ||
         sample.kind > static_cast<std::uint8_t>(RecordKind::inquiry))
@@ -317,36 +321,27 @@ void ControlLink::take_records(dds_entity_t reader, Role role) {
     const auto* const first = reinterpret_cast<const std::byte*>(sample.body._buffer);
     if (sample.body._length > 0)
       record.body = std::make_shared<const std::vector<std::byte>>(first, first + sample.body._length);
-    peers_.record_came(here(*by), role, {sample.slot, static_cast<RecordKind>(sample.kind)},
+    peers_.record_came(here(by), role, {sample.slot, static_cast<RecordKind>(sample.kind)},
                        std::move(record));
   });
 }
 
 void ControlLink::take_heartbeat_samples(dds_entity_t reader) {
-  const Lock lock(taking_);
-  take_all<sft_control_HeartbeatSample>(
-      reader, [&](const sft_control_HeartbeatSample& sample, const dds_sample_info_t& info)
-                  SFT_NO_THREAD_SAFETY_ANALYSIS {
-                    if (!info.valid_data) return;
-                    const auto heartbeat = decode_heartbeat(std::as_bytes(std::span(sample.datagram)));
-                    const auto by = participant_of(reader, info.publication_handle);
-                    if (heartbeat && by == heartbeat->participant)
-                      peers_.heartbeat_came(place_.link, *heartbeat, std::chrono::steady_clock::now());
-                  });
+  take<sft_control_HeartbeatSample>(
+      reader, [&](const ParticipantGuid& by, const sft_control_HeartbeatSample& sample) {
+        const auto heartbeat = decode_heartbeat(std::as_bytes(std::span(sample.datagram)));
+        if (heartbeat && by == heartbeat->participant)
+          peers_.heartbeat_came(place_.link, *heartbeat, std::chrono::steady_clock::now());
+      });
 }
 
 void ControlLink::take_reports(dds_entity_t reader) {
-  const Lock lock(taking_);
-  take_all<sft_control_Report>(reader, [&](const sft_control_Report& sample,
-                                           const dds_sample_info_t& info) SFT_NO_THREAD_SAFETY_ANALYSIS {
-    if (!info.valid_data) return;
-    const auto by = participant_of(reader, info.publication_handle);
-    if (!by) return;
+  take<sft_control_Report>(reader, [&](const ParticipantGuid& by, const sft_control_Report& sample) {
     if (sample.version != control_protocol_version())
       return peers_.sample_refused("a report of an unknown version");
     Result<NodeReport> report = report_in(std::as_bytes(std::span(sample.body._buffer, sample.body._length)));
     if (!report) return peers_.sample_refused(report.error().message);
-    peers_.report_came(here(*by), std::move(*report));
+    peers_.report_came(here(by), std::move(*report));
   });
 }
 

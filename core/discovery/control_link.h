@@ -5,6 +5,7 @@
 #include <dds/dds.h>
 
 #include <chrono>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -38,8 +39,8 @@ class ControlLink {
     std::shared_ptr<const CycloneDomain> domain{};
     ProcessId process = 0;
     bool is_secured = false;  ///< the domain uses DDS Security
-    /// The address of the heartbeat socket. Empty if heartbeats are sent through Cyclone only.
-    std::optional<HeartbeatSocket::Place> heartbeats{};
+    LinkSpec spec{};
+    std::optional<std::uint16_t> heartbeat_port{};  ///< empty: heartbeats are sent through Cyclone only
   };
   /// `known` must outlive the link. It is notified of what other participants announce. Several of Cyclone's
   /// threads call it at the same time, and hold locks of Cyclone.
@@ -96,6 +97,8 @@ class ControlLink {
   void take_reports(dds_entity_t reader);
   std::optional<ParticipantGuid> participant_of(dds_entity_t reader, dds_instance_handle_t writer)
       SFT_REQUIRES(taking_);
+  template <class Sample, class Use>
+  void take(dds_entity_t reader, Use use);
   RemoteParticipant here(const ParticipantGuid& guid) const { return {place_.link, guid}; }
 
   const Place place_;

@@ -1,6 +1,8 @@
 #include "core/discovery/control_plane.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <tuple>
 #include <variant>
 
@@ -58,9 +60,8 @@ class ControlPlane::OfNode final : public Discovery {
   ~OfNode() override;
 
   Configuration configuration() const override { return plane_->configuration(); }
-  void take_events(DiscoveryListener& listener) override {
-    const auto take = [&](Directory& directory) { return directory.take_events(*node_); };
-    for (const DiscoveryEvent& event : plane_->ask(take)) event(listener);
+  std::vector<DiscoveryEvent> take_events() override {
+    return plane_->ask([&](Directory& directory) { return directory.take_events(*node_); });
   }
   void hear(Role role) override;
   std::vector<KnownPublisher> publishers_of(std::string_view type_name) const override {
@@ -115,7 +116,13 @@ ControlPlane::ControlPlane(DdsConfig config, const ThreadSettings& threads)
 
 Result<void> ControlPlane::open() {
   const Lock lock(mutex_);
-  interfaces_ = interfaces_that_count(config_).value_or(std::vector<HostInterface>());
+  std::optional<std::vector<HostInterface>> listed = interfaces_that_count(config_);
+  if (!listed) {
+    return fail(Errc::unavailable,
+                std::string("the system does not list its network interfaces (") + std::strerror(errno) +
+                    "): allow sockets of AF_NETLINK (RestrictAddressFamilies= of a service)");
+  }
+  interfaces_ = std::move(*listed);
   const DesiredLinks desired = desired_links(interfaces_, config_.rules(), {});
   const Time now = std::chrono::steady_clock::now();
   look_at_interfaces_at_ = now + timing_.look_at_interfaces;
@@ -262,7 +269,7 @@ Time ControlPlane::look(Time now) {
   if (monitors_) next = std::min(look_at_interfaces_at_, look_at_peers_by_name(now));
   links_.each([&](ControlLink& link) { link.take_heartbeats(now); });
   const KnownPeers::Todo todo = known_.look(now);
-  for (const PeerAction& action : todo.of_links) act(action, now);
+  for (const LinkAction& action : todo.of_links) act(action, now);
   (void)use_links();
   if (now >= try_again_at_) try_again(now);
   give_heartbeats(now);
@@ -279,26 +286,30 @@ void ControlPlane::try_again(Time now) {
     log_news(News::warning, failure + "; it is tried again until it succeeds");
 }
 
-void ControlPlane::act(const PeerAction& action, Time now) {
-  if (const auto* const renewal = std::get_if<RenewLink>(&action)) {
-    const std::string missing = "something is missing of what a process" +
-                                (renewal->from.is_any() ? "" : " at " + format(renewal->from)) +
-                                " has that heartbeats count; ";
-    if (const Result<LinkSpec> made = links_.renew(renewal->link)) {
-      log_news(News::link_renewed, "on " + made->interface + " " + missing + "the link is made anew" +
-                                       (made->loopback ? "" : way_through_firewalls));
-    } else {
-      log_news(News::warning, missing + made.error().message);
-    }
-    give_heartbeats(now);
+void ControlPlane::act(const LinkAction& action, Time now) {
+  using enum LinkAction::Kind;
+  if (action.kind == renew) return renew_link(action, now);
+  if (action.kind == end) return links_.close(action.link);
+  ControlLink* const link = links_.find(action.link);
+  if (link == nullptr) return;
+  if (action.kind == use_topic) {
+    (void)link->use_topic();
+  } else {
+    link->announce(action.kind == ask);
   }
-  if (const auto* const end = std::get_if<EndLink>(&action)) links_.close(end->link);
-  if (const auto* const announcement = std::get_if<Announce>(&action)) {
-    if (ControlLink* const link = links_.find(announcement->link)) link->announce(announcement->asks);
+}
+
+void ControlPlane::renew_link(const LinkAction& action, Time now) {
+  const std::string missing = "something is missing of what a process" +
+                              (action.from.is_any() ? "" : " at " + format(action.from)) +
+                              " has that heartbeats count; ";
+  if (const Result<LinkSpec> made = links_.renew(action.link)) {
+    log_news(News::link_renewed, "on " + made->interface + " " + missing + "the link is made anew" +
+                                     (made->loopback ? "" : way_through_firewalls));
+  } else {
+    log_news(News::warning, missing + made.error().message);
   }
-  if (const auto* const missing = std::get_if<HeartbeatsMissing>(&action)) {
-    if (ControlLink* const link = links_.find(missing->link)) (void)link->use_topic();
-  }
+  give_heartbeats(now);
 }
 
 void ControlPlane::look_at_interfaces(Time now) {

@@ -54,12 +54,13 @@ class ControlPlane {
   void give_heartbeats(Time now) SFT_REQUIRES(mutex_);
   Time look(Time now) SFT_REQUIRES(mutex_);
   void try_again(Time now) SFT_REQUIRES(mutex_);
-  void act(const PeerAction& action, Time now) SFT_REQUIRES(mutex_);
+  void act(const LinkAction& action, Time now) SFT_REQUIRES(mutex_);
+  void renew_link(const LinkAction& action, Time now) SFT_REQUIRES(mutex_);
   void look_at_interfaces(Time now) SFT_REQUIRES(mutex_);
   Time look_at_peers_by_name(Time now) SFT_REQUIRES(mutex_);
   Result<void> use_interfaces(const DesiredLinks& desired) SFT_REQUIRES(mutex_);
   void give_up() SFT_REQUIRES(mutex_);
-  using News = DiscoveryListener::News;
+  using News = DiscoveryNews::Kind;
   void log_news(News news, const std::string& text);
   void describe(const DesiredLinks& desired) SFT_REQUIRES(mutex_);
 

@@ -7,14 +7,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <ranges>
 #include <utility>
+
+#include "core/platform/text_file.h"
 
 namespace sft::core {
 
@@ -59,7 +58,13 @@ class DocumentReader {
 
  private:
   static DocumentReader& self(void* reader) { return *static_cast<DocumentReader*>(reader); }
-  static int on_open(void* reader, std::uintptr_t, std::uintptr_t*, const char* name, int) {
+  /// The parser of Cyclone DDS calls itself for each element within another one, and would use up the stack.
+  static constexpr std::size_t depth_max = 100;
+  static int on_open(void* reader, std::uintptr_t, std::uintptr_t*, const char* name, int line) {
+    if (self(reader).open_.size() > depth_max) {
+      on_error(reader, "elements are nested too deeply", line);
+      return -1;
+    }
     self(reader).open_.push_back({.name = name});
     return 1;
   }
@@ -82,7 +87,8 @@ class DocumentReader {
     return 1;
   }
   static void on_error(void* reader, const char* message, int line) {
-    self(reader).error_ = "line " + std::to_string(line) + ": " + message;
+    std::string& error = self(reader).error_;  // the first one is the most precise
+    if (error.empty()) error = "line " + std::to_string(line) + ": " + message;
   }
 
   const std::uint32_t domain_;
@@ -123,13 +129,10 @@ void write(const CycloneElement& element, const std::vector<const CycloneElement
 
 Result<std::string> text_of_file(const std::string& name) {
   constexpr std::string_view scheme = "file://";
-  std::ifstream file(name);
-  if (!file && name.starts_with(scheme)) file.open(name.substr(scheme.size()));
-  if (!file) {
-    return fail(Errc::invalid_argument, std::string(where_from) + " names the file '" + name +
-                                            "', which cannot be read: " + std::strerror(errno));
-  }
-  return std::string(std::istreambuf_iterator<char>(file), {});
+  Result<std::string> text =
+      read_text_file(name.starts_with(scheme) ? name.substr(scheme.size()) : name);
+  if (!text) return fail(Errc::invalid_argument, std::string(where_from) + ": " + text.error().message);
+  return text;
 }
 
 }  // namespace

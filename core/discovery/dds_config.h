@@ -25,8 +25,11 @@ struct DdsConfig {
   bool is_secured = false;         ///< the user's configuration has DDS Security
   /// The port of heartbeats (heartbeat.h). Empty if heartbeats are sent through Cyclone only. This is the
   /// case with DDS Security, because heartbeats have no certificates. It is also the case if the user's
-  /// configuration or the lack of multicast may keep heartbeats from arriving.
+  /// configuration or the lack of multicast may keep heartbeats from arriving, and on links without IPv4.
   std::optional<std::uint16_t> heartbeat_port{};
+  std::optional<std::uint16_t> heartbeat_port_on(const LinkSpec& link) const {
+    return link.ip.is_ipv4() ? heartbeat_port : std::nullopt;
+  }
   /// Hosts to search for nodes, in addition to those that multicast reaches: the peers of the settings and of
   /// the user's configuration.
   std::vector<std::string> peers;

@@ -19,12 +19,12 @@ namespace sft::core {
 inline constexpr std::size_t links_max = 8;
 
 struct LinkSpec {
-  std::string interface;
+  std::string interface {};
   IpAddress ip{};  ///< IPv4; none if the interface has only IPv6, where the name identifies the link
   std::uint8_t prefix_bits = 0;
   bool loopback = false;
-  /// Multicasts of the link are looped back to this host. This is needed only if there is no loopback link
-  /// by which nodes of one host find each other.
+  /// Multicasts of the link are looped back to this host. Only the loopback link needs this, or all links if
+  /// there is none, since nodes of one host have to find each other.
   bool reaches_own_host = false;
   unsigned index = 0;  ///< the index of the interface; sockets lose their multicast groups when the interface
                        ///< is removed

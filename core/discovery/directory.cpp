@@ -9,24 +9,6 @@
 
 namespace sft::core {
 
-namespace {
-
-DiscoveryEvent seen(const Endpoint& endpoint) {
-  return [endpoint = std::make_shared<const Endpoint>(endpoint)](DiscoveryListener& to) {
-    to.endpoint_seen(*endpoint);
-  };
-}
-
-DiscoveryEvent departed(EndpointId id) {
-  return [id](DiscoveryListener& to) { to.endpoint_departed(id); };
-}
-
-DiscoveryEvent received(const Request& request) {
-  return [request](DiscoveryListener& to) { to.request_received(request); };
-}
-
-}  // namespace
-
 std::shared_ptr<ListeningNode> Directory::join(std::function<void()> wake) {
   return nodes_.emplace_back(std::make_shared<ListeningNode>(ListeningNode{.wake = std::move(wake)}));
 }
@@ -40,13 +22,14 @@ void Directory::give(const std::shared_ptr<ListeningNode>& node, DiscoveryEvent 
   wake(node);
 }
 
+void Directory::give_all(const DiscoveryEvent& event) {
+  for (const auto& node : nodes_) give(node, event);
+}
+
 /// The refusals come first, so that they are counted before what came after them is seen.
 std::vector<DiscoveryEvent> Directory::take_events(ListeningNode& node) {
   std::vector<DiscoveryEvent> events;
-  for (auto& [news, refused] : std::exchange(node.refused, {})) {
-    events.emplace_back(
-        [news, refused](DiscoveryListener& to) { to.log_news(news, refused.text, refused.times); });
-  }
+  for (auto& [kind, refused] : std::exchange(node.refused, {})) events.emplace_back(std::move(refused));
   std::ranges::move(node.events, std::back_inserter(events));
   node.events.clear();
   node.is_woken = false;
@@ -57,10 +40,10 @@ bool Directory::concerns(const ListeningNode& node, const Endpoint& endpoint) {
   return node.hears_all[endpoint.role] || node.topics[other(endpoint.role)].contains(endpoint.topic);
 }
 
-/// Notifies each node that the entry concerns.
+/// Notifies each node that the endpoint of the entry concerns.
 void Directory::notify(const Entry& entry, const DiscoveryEvent& event) {
   for (const auto& node : nodes_) {
-    if (node != entry.node && concerns(*node, entry.endpoint)) give(node, event);
+    if (node != entry.node && concerns(*node, *entry.endpoint)) give(node, event);
   }
 }
 
@@ -70,53 +53,72 @@ void Directory::hear_all(const std::shared_ptr<ListeningNode>& node, Role role) 
   node->hears_all[role] = true;
 }
 
+/// Returns the entry of an endpoint of our own nodes; null if none of them has announced it.
+Directory::Entry* Directory::own(EndpointId id) {
+  const auto owner = owners_.find(id);
+  if (owner == owners_.end()) return nullptr;
+  Entry& entry = entries_.at(owner->second);
+  return entry.node == nullptr ? nullptr : &entry;
+}
+
+/// Returns true if the id of the endpoint in the slot belongs to this slot.
+bool Directory::owns(const Place& place, const Entry& entry) const {
+  const auto owner = entry.endpoint ? owners_.find(entry.endpoint->id) : owners_.end();
+  return owner != owners_.end() && owner->second == place;
+}
+
 void Directory::announced(const std::shared_ptr<ListeningNode>& node, Endpoint endpoint) {
-  const auto [place, is_new] = entries_.try_emplace(endpoint.id);
-  Entry& entry = place->second;
-  if (entry.endpoint.request.sequence > endpoint.request.sequence) endpoint.request = entry.endpoint.request;
-  entry.node = node;
-  entry.endpoint = std::move(endpoint);
-  notify(entry, seen(entry.endpoint));
+  Entry* entry = own(endpoint.id);
+  const bool is_new = entry == nullptr;
+  if (is_new) {
+    const Place place{0, endpoint.role, own_slots_made_++};
+    owners_[endpoint.id] = place;
+    entry = &entries_[place];
+    entry->node = node;
+  } else if (entry->endpoint->request.sequence > endpoint.request.sequence) {
+    endpoint.request = entry->endpoint->request;
+  }
+  const Endpoint& ours = entry->endpoint.emplace(std::move(endpoint));
+  notify(*entry, seen(owners_.at(ours.id), *entry));
   if (!is_new) return;
-  const Endpoint& own = entry.endpoint;
   notify_of_all(node, [&](const Endpoint& one) {
-    return one.role == other(own.role) && one.topic == own.topic && !concerns(*node, one);
+    return one.role == other(ours.role) && one.topic == ours.topic && !concerns(*node, one);
   });
-  ++node->topics[own.role][own.topic];
+  ++node->topics[ours.role][ours.topic];
 }
 
 bool Directory::requested(const Request& request) {
-  const auto found = entries_.find(request.reader);
-  if (found == entries_.end() || found->second.node == nullptr) return false;
-  found->second.endpoint.request = request;
-  notify(found->second, received(request));
+  Entry* const entry = own(request.reader);
+  if (entry == nullptr) return false;
+  entry->endpoint->request = request;
+  notify(*entry, request);
   return true;
 }
 
 /// A node without endpoints on a topic is not notified of changes to other nodes' endpoints on this topic.
 /// So it must not keep these endpoints, and is notified that they have departed.
 std::optional<Role> Directory::withdrawn(EndpointId id) {
-  const auto found = entries_.find(id);
-  if (found == entries_.end() || found->second.node == nullptr) return std::nullopt;
-  const std::shared_ptr<ListeningNode> node = found->second.node;
-  const Role role = found->second.endpoint.role;
-  auto& topics = node->topics[role];
-  const auto topic = topics.find(found->second.endpoint.topic);
-  end(id, departed(id));
-  if (--topic->second > 0) return role;
-  const std::string name = topics.extract(topic).key();
-  for (const auto& [other_id, entry] : entries_) {
-    const Endpoint& one = entry.endpoint;
-    const bool was_told = one.role == other(role) && one.topic == name;
-    if (was_told && entry.node != node && !concerns(*node, one)) give(node, departed(other_id));
+  if (own(id) == nullptr) return std::nullopt;
+  const auto ended = entries_.extract(owners_.at(id));
+  const auto& [endpoint, request, node] = ended.mapped();
+  end(ended.key(), ended.mapped(), EndpointDeparted{id});
+  auto& topics = node->topics[endpoint->role];
+  const auto topic = topics.find(endpoint->topic);
+  if (--topic->second > 0) return endpoint->role;
+  topics.erase(topic);
+  for (const auto& [other_id, place] : owners_) {
+    const Entry& entry = entries_.at(place);
+    const Endpoint& one = *entry.endpoint;
+    const bool was_told = one.role == other(endpoint->role) && one.topic == endpoint->topic;
+    if (was_told && entry.node != node && !concerns(*node, one)) give(node, EndpointDeparted{other_id});
   }
-  return role;
+  return endpoint->role;
 }
 
 std::vector<EndpointId> Directory::endpoints_of(const std::shared_ptr<ListeningNode>& node) const {
   std::vector<EndpointId> ids;
-  for (const auto& [id, entry] : entries_) {
-    if (entry.node == node) ids.push_back(id);
+  for (const auto& [id, place] : owners_) {
+    if (entries_.at(place).node == node) ids.push_back(id);
   }
   return ids;
 }
@@ -126,44 +128,49 @@ void Directory::record_changed(const RecordChanged& changed) {
   if (changed.key.kind == RecordKind::announcement) take_announcement(place, changed.record);
   if (changed.key.kind == RecordKind::request) take_request(place, changed.record);
   if (changed.key.kind == RecordKind::inquiry) take_inquiry(place, changed.record);
-  const auto slot = slots_.find(place);
-  if (slot != slots_.end() && !slot->second.endpoint && !slot->second.request) slots_.erase(slot);
+  const auto entry = entries_.find(place);
+  if (entry != entries_.end() && !entry->second.endpoint && !entry->second.request) entries_.erase(entry);
 }
 
 void Directory::take_announcement(const Place& place, const Record& record) {
-  std::optional<Endpoint> endpoint;
-  if (!record.is_withdrawn()) {
-    if (Result<Endpoint> read = endpoint_in(*record.body); !read) {
-      log_news(News::malformed, read.error().message);
-    } else if (read->role != std::get<Role>(place)) {
-      log_news(News::malformed, "an endpoint on the topic of the other role");
-    } else {
-      endpoint = std::move(*read);
-    }
-  }
-  Slot& slot = slots_[place];
-  const std::optional<Endpoint> before = std::exchange(slot.endpoint, std::move(endpoint));
-  const bool is_same =
-      before && slot.endpoint && slot.endpoint->id == before->id && slot.endpoint->topic == before->topic;
-  if (before && !is_same) {
-    const auto shown = entries_.find(before->id);
-    if (shown != entries_.end() && shown->second.place == place) end(before->id, departed(before->id));
-  }
+  Entry& entry = entries_[place];
+  const Entry before{.endpoint = std::move(entry.endpoint)};
+  entry.endpoint = announcement_in(record, std::get<Role>(place));
+  const bool is_same = before.endpoint && entry.endpoint && entry.endpoint->id == before.endpoint->id &&
+                       entry.endpoint->topic == before.endpoint->topic;
+  if (!is_same && owns(place, before)) end(place, before, EndpointDeparted{before.endpoint->id});
   show(place);
+}
+
+/// Returns nothing if the endpoint was withdrawn, or is refused. If only its type description is malformed,
+/// the endpoint has none: programs that were compiled with the type do not need it.
+std::optional<Endpoint> Directory::announcement_in(const Record& record, Role role) {
+  if (record.is_withdrawn()) return std::nullopt;
+  Result<Endpoint> endpoint = endpoint_in(*record.body);
+  if (!endpoint || endpoint->role != role) {
+    log_news(News::malformed,
+             endpoint ? "an endpoint on the topic of the other role" : endpoint.error().message);
+    return std::nullopt;
+  }
+  if (endpoint->type_description.empty()) return *std::move(endpoint);
+  if (const auto type = described_type(*endpoint); !type) {
+    log_news(News::malformed, type.error().message);
+    endpoint->type_description.clear();
+  }
+  return *std::move(endpoint);
 }
 
 /// The slot may have belonged to another subscriber before, whose request is still in the slot.
 void Directory::take_request(const Place& place, const Record& record) {
-  Slot& slot = slots_[place];
-  slot.request.reset();
+  Entry& entry = entries_[place];
+  entry.request.reset();
   if (record.is_withdrawn()) return;
   Result<Request> read = request_in(*record.body);
   if (!read) return log_news(News::malformed, read.error().message);
-  slot.request = std::move(*read);
-  const auto shown = entries_.find(slot.request->reader);
-  if (shown == entries_.end() || shown->second.place != place) return show(place);
-  shown->second.endpoint.request = *slot.request;
-  notify(shown->second, received(*slot.request));
+  entry.request = std::move(*read);
+  if (!owns(place, entry) || entry.request->reader != entry.endpoint->id) return show(place);
+  entry.endpoint->request = *entry.request;
+  notify(entry, *entry.request);
 }
 
 void Directory::take_inquiry(const Place& place, const Record& record) {
@@ -178,78 +185,61 @@ void Directory::take_inquiry(const Place& place, const Record& record) {
 /// Notifies nodes of the endpoint in the slot. The endpoint of a subscriber is shown only if its request has
 /// come, too.
 void Directory::show(const Place& place) {
-  const auto found = slots_.find(place);
-  if (found == slots_.end() || !found->second.endpoint) return;
-  const auto& [endpoint, request] = found->second;
-  const bool is_whole = endpoint->role == Role::writer || (request && request->reader == endpoint->id);
-  if (!is_whole) return;
-  const auto known = entries_.find(endpoint->id);
-  if (known != entries_.end() && known->second.place != place)
+  const auto found = entries_.find(place);
+  if (found == entries_.end() || !found->second.endpoint) return;
+  auto& [endpoint, request, node] = found->second;
+  const bool has_request = request && request->reader == endpoint->id;
+  if (endpoint->role == Role::reader && !has_request) return;
+  const auto [owner, is_new] = owners_.try_emplace(endpoint->id, place);
+  if (owner->second != place)
     return log_news(News::malformed, "an endpoint under the id of another process's, which lives");
-  if (known == entries_.end()) {
-    std::size_t& share = shares_[{std::get<ProcessId>(place), endpoint->role, endpoint->topic}];
-    if (share >= topic_share)
-      return log_news(News::too_much, "endpoints of a process that has as many on one topic as it may");
-    ++share;
+  std::size_t& share = shares_[{std::get<ProcessId>(place), endpoint->role, endpoint->topic}];
+  if (is_new && share >= topic_share) {
+    owners_.erase(owner);
+    return log_news(News::too_much, "endpoints of a process that has as many on one topic as it may");
   }
-  Endpoint shown = *endpoint;
-  if (request) shown.request = *request;
-  if (!shown.type_description.empty()) {
-    if (const auto type = described_type(shown); !type) {
-      log_news(News::malformed, type.error().message);
-      shown.type_description.clear();  // programs that were compiled with the type do not need the
-                                       // description
-    }
-  }
-  leave_out_what_is_cut(std::get<ProcessId>(place), shown.addresses);
-  Entry& entry = entries_[shown.id];
-  entry.place = place;
-  entry.endpoint = std::move(shown);
-  notify(entry, seen(entry.endpoint));
+  share += is_new ? 1 : 0;
+  if (has_request) endpoint->request = *request;
+  notify(found->second, seen(place, found->second));
 }
 
-void Directory::give_back_share(const Entry& entry) {
-  if (!entry.place) return;
-  const Endpoint& endpoint = entry.endpoint;
-  const auto share = shares_.find({std::get<ProcessId>(*entry.place), endpoint.role, endpoint.topic});
-  if (--share->second == 0) shares_.erase(share);
+EndpointSeen Directory::seen(const Place& place, const Entry& entry) const {
+  auto shown = std::make_shared<Endpoint>(*entry.endpoint);
+  leave_out_what_is_cut(std::get<ProcessId>(place), shown->addresses);
+  return shown;
 }
 
-/// Then notifies nodes of an endpoint of another process that has announced the same id, and was refused
-/// before.
-void Directory::end(EndpointId id, const DiscoveryEvent& event) {
-  const auto ended = entries_.extract(id);
-  if (!ended) return;
-  give_back_share(ended.mapped());
-  notify(ended.mapped(), event);
+/// Called when the endpoint is not in its slot any more; `entry` is the former one. Then notifies nodes of an
+/// endpoint of another process that has announced the same id, and was refused before.
+void Directory::end(const Place& place, const Entry& entry, const DiscoveryEvent& event) {
+  const Endpoint& endpoint = *entry.endpoint;
+  owners_.erase(endpoint.id);
+  const auto share = shares_.find({std::get<ProcessId>(place), endpoint.role, endpoint.topic});
+  if (share != shares_.end() && --share->second == 0) shares_.erase(share);
+  notify(entry, event);
   const auto has_id = [&](const auto& item) {
-    return item.second.endpoint && item.second.endpoint->id == id;
+    return item.second.endpoint && item.second.endpoint->id == endpoint.id;
   };
-  if (const auto next = std::ranges::find_if(slots_, has_id); next != slots_.end()) show(next->first);
+  if (const auto next = std::ranges::find_if(entries_, has_id); next != entries_.end()) show(next->first);
 }
 
 void Directory::peer_lost(ProcessId process) {
   cut_.erase(process);
   std::erase_if(inquiries_, [&](const auto& item) { return std::get<ProcessId>(item.first) == process; });
-  std::vector<EndpointId> lost;
-  const auto first = slots_.lower_bound(Place{process, Role::writer, 0});
-  auto last = first;
-  for (; last != slots_.end() && std::get<ProcessId>(last->first) == process; ++last) {
-    if (!last->second.endpoint) continue;
-    const auto entry = entries_.find(last->second.endpoint->id);
-    if (entry != entries_.end() && entry->second.place == last->first) lost.push_back(entry->first);
+  std::map<Place, Entry> lost;
+  for (auto next = entries_.lower_bound(Place{process, Role::writer, 0});
+       next != entries_.end() && std::get<ProcessId>(next->first) == process;)
+    lost.insert(entries_.extract(next++));
+  for (const auto& [place, entry] : lost) {
+    if (owns(place, entry)) end(place, entry, EndpointLost{entry.endpoint->id});
   }
-  slots_.erase(first, last);
-  for (const EndpointId id : lost) end(id, [id](DiscoveryListener& to) { to.endpoint_lost(id); });
 }
 
 void Directory::paths_cut(const PathsCut& cut) {
   cut_[cut.process] = cut;
-  std::vector<Place> places;
-  for (const auto& [id, entry] : entries_) {
-    if (entry.place && std::get<ProcessId>(*entry.place) == cut.process) places.push_back(*entry.place);
+  for (const auto& [place, entry] : entries_) {
+    if (std::get<ProcessId>(place) == cut.process && owns(place, entry)) show(place);
   }
-  for (const Place& place : places) show(place);
 }
 
 /// Removes addresses by which the process is not reached, unless none would remain. If a cut link and a
@@ -269,8 +259,8 @@ void Directory::leave_out_what_is_cut(ProcessId process, std::vector<UdpAddress>
 template <class IsOf>
 void Directory::notify_report(NodeReport report, const std::shared_ptr<ListeningNode>& by, IsOf is_of) {
   const auto is_foreign = [&](EndpointId id) {
-    const auto entry = entries_.find(id);
-    return entry == entries_.end() || !is_of(entry->second);
+    const auto owner = owners_.find(id);
+    return owner == owners_.end() || !is_of(owner->second);
   };
   std::erase_if(report.living, is_foreign);
   std::erase_if(report.progress, [&](const Progress& one) { return is_foreign(one.writer); });
@@ -279,24 +269,20 @@ void Directory::notify_report(NodeReport report, const std::shared_ptr<Listening
   });
   if (report.empty()) return;
   const bool is_urgent = !report.living.empty();  // because of leases
-  const DiscoveryEvent event = [report = std::move(report)](DiscoveryListener& to) {
-    to.report_received(report);
-  };
   for (const auto& node : nodes_) {
     if (node == by || node->inquiries.empty()) continue;
-    node->events.push_back(event);
+    node->events.emplace_back(report);
     if (is_urgent || node->events.size() >= unread_max) wake(node);
   }
 }
 
 void Directory::report_came(ProcessId process, NodeReport report) {
-  notify_report(std::move(report), nullptr, [&](const Entry& entry) {
-    return entry.place && std::get<ProcessId>(*entry.place) == process;
-  });
+  notify_report(std::move(report), nullptr,
+                [&](const Place& place) { return std::get<ProcessId>(place) == process; });
 }
 
 void Directory::reported(const std::shared_ptr<ListeningNode>& node, const NodeReport& report) {
-  notify_report(report, node, [&](const Entry& entry) { return entry.node == node; });
+  notify_report(report, node, [&](const Place& place) { return entries_.at(place).node == node; });
 }
 
 void Directory::inquires(const std::shared_ptr<ListeningNode>& node, std::set<Inquiry> inquiries) {
@@ -318,30 +304,25 @@ Discovery::Inquiries Directory::inquiries() const {
 
 template <class Which>
 void Directory::notify_of_all(const std::shared_ptr<ListeningNode>& node, Which which) {
-  for (const auto& [id, entry] : entries_) {
-    if (entry.node != node && which(entry.endpoint)) give(node, seen(entry.endpoint));
+  for (const auto& [id, place] : owners_) {
+    const Entry& entry = entries_.at(place);
+    if (entry.node != node && which(*entry.endpoint)) give(node, seen(place, entry));
   }
 }
 
 void Directory::log_news(News news, const std::string& text) {
+  const DiscoveryNews event{.kind = news, .text = text};
+  if (news != News::malformed && news != News::too_much) return give_all(event);
   for (const auto& node : nodes_) {
-    if (news != News::malformed && news != News::too_much) {
-      give(node, [news, text](DiscoveryListener& to) { to.log_news(news, text, 1); });
-      continue;
-    }
-    ListeningNode::Refused& refused = node->refused[news];
-    if (refused.times++ == 0) refused.text = text;
+    if (const auto [before, is_first] = node->refused.try_emplace(news, event); !is_first)
+      ++before->second.times;
   }
-}
-
-void Directory::vanilla_changed() {
-  for (const auto& node : nodes_) give(node, [](DiscoveryListener& to) { to.vanilla_changed(); });
 }
 
 std::vector<Discovery::KnownPublisher> Directory::publishers_of(std::string_view type_name) const {
   std::vector<Discovery::KnownPublisher> publishers;
-  for (const auto& [id, entry] : entries_) {
-    const Endpoint& one = entry.endpoint;
+  for (const auto& [id, place] : owners_) {
+    const Endpoint& one = *entries_.at(place).endpoint;
     if (one.role == Role::writer && one.type_name == type_name) publishers.push_back({one.topic, one.node});
   }
   return publishers;

@@ -26,19 +26,12 @@
 
 namespace sft::core {
 
-/// Calls the function of a listener by which a node is notified.
-using DiscoveryEvent = std::function<void(DiscoveryListener&)>;
-
 /// A node of this process. Only the directory uses its members, except `wake`.
 struct ListeningNode {
   const std::function<void()> wake;  ///< see Discovery::open()
   std::vector<DiscoveryEvent> events{};
   bool is_woken = false;  ///< true: the node was woken, and has not called take_events() since
-  struct Refused {
-    std::string text{};  ///< that of the first one
-    std::uint64_t times = 0;
-  };
-  std::map<DiscoveryListener::News, Refused> refused{};
+  std::map<DiscoveryNews::Kind, DiscoveryNews> refused{};
   PerRole<bool> hears_all{};
   std::set<Inquiry> inquiries{};
   PerRole<std::map<std::string, std::size_t>> topics{};  ///< the number of this node's endpoints on each
@@ -81,8 +74,8 @@ class Directory {
   /// are dropped.
   void report_came(ProcessId process, NodeReport report);
   /// Notifies all nodes that participants which do not belong to SFT have come or gone.
-  void vanilla_changed();
-  using News = DiscoveryListener::News;
+  void vanilla_changed() { give_all(VanillaChanged{}); }
+  using News = DiscoveryNews::Kind;
   /// Notifies all nodes. Of refusals, a node gets the number and the text of the first one, however many
   /// there are until it takes them. They do not wake it, since there may be a flood of them.
   void log_news(News news, const std::string& text);
@@ -94,16 +87,13 @@ class Directory {
   std::vector<Discovery::KnownPublisher> publishers_of(std::string_view type_name) const;
 
  private:
-  using Place = std::tuple<ProcessId, Role, std::uint32_t>;  ///< identifies a slot of another process; our
-                                                             ///< own endpoints have none
-  struct Slot {
-    std::optional<Endpoint> endpoint{};
-    std::optional<Request> request{};
-  };
+  using Place = std::tuple<ProcessId, Role, std::uint32_t>;  ///< identifies a slot; the process is 0 for
+                                                             ///< endpoints of our own nodes
+  /// What the records in a slot say.
   struct Entry {
-    Endpoint endpoint{};                    ///< with the latest request of a subscriber
+    std::optional<Endpoint> endpoint{};     ///< with the latest request of a subscriber
+    std::optional<Request> request{};       ///< the request in the slot, which may come before its endpoint
     std::shared_ptr<ListeningNode> node{};  ///< the node that has the endpoint; null: another process has it
-    std::optional<Place> place{};           ///< the slot, if another process has the endpoint
   };
   /// The maximum number of endpoints of one role that another process may announce on one topic. So a process
   /// that announces endpoints without end costs the others on the topic little.
@@ -115,13 +105,17 @@ class Directory {
   static bool concerns(const ListeningNode& node, const Endpoint& endpoint);
   void wake(const std::shared_ptr<ListeningNode>& node);
   void give(const std::shared_ptr<ListeningNode>& node, DiscoveryEvent event);
+  void give_all(const DiscoveryEvent& event);
   void notify(const Entry& entry, const DiscoveryEvent& event);
   void take_announcement(const Place& place, const Record& record);
   void take_request(const Place& place, const Record& record);
   void take_inquiry(const Place& place, const Record& record);
-  void give_back_share(const Entry& entry);
+  std::optional<Endpoint> announcement_in(const Record& record, Role role);
+  Entry* own(EndpointId id);
+  bool owns(const Place& place, const Entry& entry) const;
   void show(const Place& place);
-  void end(EndpointId id, const DiscoveryEvent& event);
+  EndpointSeen seen(const Place& place, const Entry& entry) const;
+  void end(const Place& place, const Entry& entry, const DiscoveryEvent& event);
   void leave_out_what_is_cut(ProcessId process, std::vector<UdpAddress>& addresses) const;
   template <class IsOf>
   void notify_report(NodeReport report, const std::shared_ptr<ListeningNode>& by, IsOf is_of);
@@ -130,9 +124,11 @@ class Directory {
 
   const LeadsTo leads_to_;
   std::vector<std::shared_ptr<ListeningNode>> nodes_, woken_;
-  std::map<Place, Slot> slots_;
-  std::map<EndpointId, Entry> entries_;
-  /// The number of entries of each other process, by role and topic.
+  std::map<Place, Entry> entries_;
+  std::uint32_t own_slots_made_ = 0;
+  /// The entry that each endpoint id belongs to. Nodes are notified of these entries only.
+  std::map<EndpointId, Place> owners_;
+  /// The number of these entries of each process, by role and topic.
   std::map<std::tuple<ProcessId, Role, std::string>, std::size_t> shares_;
   std::map<Place, Inquiry> inquiries_;  ///< the inquiries of other processes
   std::uint64_t inquiries_made_ = 0;

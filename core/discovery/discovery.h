@@ -9,6 +9,8 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <string_view>
+#include <variant>
 #include <vector>
 
 #include "core/control/control.h"
@@ -25,34 +27,38 @@ struct DiscoveryOptions {
   ThreadSettings threads{};   ///< the settings of Cyclone's threads
 };
 
-/// A listener is notified of what other nodes announce: once of each item, even if several links bring it.
-/// Discovery::take_events() calls its functions, in the thread of the node.
-class DiscoveryListener {
- public:
-  virtual void endpoint_seen(const Endpoint& endpoint) = 0;
-  virtual void endpoint_departed(EndpointId id) = 0;
-  /// No heartbeats of the endpoint's process come any more. If the process is found again, endpoint_seen()
-  /// is called again.
-  virtual void endpoint_lost(EndpointId id) = 0;
-  virtual void request_received(const Request& request) = 0;
-  /// A node has reported on its own endpoints. Called only for nodes that have called inquire().
-  virtual void report_received(const NodeReport& report) = 0;
-  /// The result of Discovery::vanilla() has changed.
-  virtual void vanilla_changed() {}
-  enum class News : std::uint8_t {
+/// An endpoint of another node has come, has changed, or answers again. A subscriber has its latest request.
+/// The nodes of a process share the value.
+using EndpointSeen = std::shared_ptr<const Endpoint>;
+/// The endpoint was withdrawn.
+struct EndpointDeparted {
+  EndpointId id = 0;
+};
+/// No heartbeats of the endpoint's process come any more. If the process is found again, the endpoint is seen
+/// again.
+struct EndpointLost {
+  EndpointId id = 0;
+};
+/// The result of Discovery::vanilla() has changed.
+struct VanillaChanged {};
+/// A text for the log.
+struct DiscoveryNews {
+  enum class Kind : std::uint8_t {
     malformed,     ///< a control sample, or the type description in one, was malformed or forged, and refused
     too_much,      ///< a record was refused, because a process has announced more than one may
     link_renewed,  ///< a record of another process was missing on one link, which was replaced by a new one
     links_changed,  ///< the interfaces in use have changed; the text is the summary of the configuration
     warning         ///< for example, a participant has another release, or a peer's name has no address
   };
-  /// Called with a text for the log. `times`: the number of refusals since the last call, of which the text
-  /// describes the first one; else 1.
-  virtual void log_news(News news, const std::string& text, std::uint64_t times) = 0;
-
- protected:
-  ~DiscoveryListener() = default;
+  Kind kind{};
+  std::string text{};
+  std::uint64_t times = 1;  ///< the number of refusals since the last news of this kind, of which the text
+                            ///< describes the first one; else 1
 };
+/// One of the things that a node learns of other nodes: each of them once, even if several links bring it. A
+/// request comes after its endpoint. Reports come only to nodes that have called inquire().
+using DiscoveryEvent = std::variant<EndpointSeen, EndpointDeparted, EndpointLost, Request, NodeReport,
+                                    VanillaChanged, DiscoveryNews>;
 
 class Discovery {
  public:
@@ -73,8 +79,8 @@ class Discovery {
 
   // The following functions must be called by only one thread at a time.
 
-  /// Notifies the listener of what has happened since the last call. No lock is held meanwhile.
-  virtual void take_events(DiscoveryListener& listener) = 0;
+  /// Returns what has happened since the last call, in order.
+  virtual std::vector<DiscoveryEvent> take_events() = 0;
   /// Reports from now on all endpoints of that role that other nodes announce, and the requests of readers.
   /// Endpoints that were announced earlier are reported soon, too. Without this call, a node is notified
   /// only of endpoints that may match its own: those with the other role and the same topic.

@@ -18,7 +18,6 @@ namespace {
 constexpr std::uint32_t ddsi_group = 0xefff0001;  // 239.255.0.1
 /// Cyclone's default (General/MulticastTimeToLive).
 constexpr int hops_max = 32;
-/// The same value as Cyclone's default (General/MulticastTimeToLive).
 constexpr int socket_buffer_bytes = 1 << 20;
 
 sockaddr_in ddsi_address_at(std::uint16_t port) {
@@ -56,25 +55,25 @@ bool set_option(const FileDescriptor& socket, int level, int name, const Value& 
 /// All processes of the host bind sockets to the same port, and each of these sockets gets each datagram.
 /// The socket is bound to the group, so it receives no datagrams to other addresses. It also receives no
 /// datagrams from other interfaces.
-std::optional<HeartbeatSocket> HeartbeatSocket::open(const Place& place) noexcept {
+std::optional<HeartbeatSocket> HeartbeatSocket::open(const LinkSpec& link, std::uint16_t port) noexcept {
   FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  ip_mreqn link{};
-  link.imr_multiaddr.s_addr = htonl(ddsi_group);
-  link.imr_address.s_addr = htonl(place.ip.ipv4());
-  link.imr_ifindex = static_cast<int>(place.index);
-  const sockaddr_in address = ddsi_address_at(place.port);
+  ip_mreqn group{};
+  group.imr_multiaddr.s_addr = htonl(ddsi_group);
+  group.imr_address.s_addr = htonl(link.ip.ipv4());
+  group.imr_ifindex = static_cast<int>(link.index);
+  const sockaddr_in address = ddsi_address_at(port);
   set_option(socket, SOL_SOCKET, SO_RCVBUF, socket_buffer_bytes);
   const bool is_ready =
       socket && set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1) &&
       set_option(socket, IPPROTO_IP, IP_MULTICAST_ALL, 0) &&
-      set_option(socket, IPPROTO_IP, IP_MULTICAST_IF, link) &&
+      set_option(socket, IPPROTO_IP, IP_MULTICAST_IF, group) &&
       set_option(socket, IPPROTO_IP, IP_MULTICAST_TTL, hops_max) &&
-      set_option(socket, IPPROTO_IP, IP_MULTICAST_LOOP, place.reaches_own_host ? 1 : 0) &&
+      set_option(socket, IPPROTO_IP, IP_MULTICAST_LOOP, link.reaches_own_host ? 1 : 0) &&
       ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
-      set_option(socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, link);
+      set_option(socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, group);
   if (!is_ready) return std::nullopt;
   set_option(socket, SOL_SOCKET, SO_TIMESTAMPNS, 1);
-  return HeartbeatSocket(std::move(socket), place.port);
+  return HeartbeatSocket(std::move(socket), port);
 }
 
 void HeartbeatSocket::send(const Heartbeat& heartbeat) const noexcept {

@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "core/discovery/desired_links.h"
 #include "core/discovery/heartbeat.h"
 #include "core/platform/file_descriptor.h"
 #include "core/platform/ip_address.h"
@@ -18,14 +19,9 @@ namespace sft::core {
 
 class HeartbeatSocket {
  public:
-  struct Place {
-    IpAddress ip;        ///< the IPv4 address of the link
-    unsigned index = 0;  ///< the index of the interface of the link
-    std::uint16_t port = 0;
-    bool reaches_own_host = false;
-  };
-  /// Returns nothing if the system refuses the socket. Heartbeats are sent through Cyclone then.
-  static std::optional<HeartbeatSocket> open(const Place& place) noexcept;
+  /// The link must have an IPv4 address. Returns nothing if the system refuses the socket. Heartbeats are
+  /// sent through Cyclone then.
+  static std::optional<HeartbeatSocket> open(const LinkSpec& link, std::uint16_t port) noexcept;
 
   /// Sends a heartbeat. If this fails, the heartbeat is lost without an error, as it may be on the network.
   void send(const Heartbeat& heartbeat) const noexcept;

@@ -23,7 +23,7 @@ KnownPeers::Turn::~Turn() {
 
 /// Notifies nodes of what has changed. Actions that concern links are kept until an agent calls look().
 void KnownPeers::take_actions() {
-  for (PeerAction& action : peers_.take_actions()) {
+  for (const PeerAction& action : peers_.take_actions()) {
     if (const auto* const changed = std::get_if<RecordChanged>(&action)) {
       directory_.record_changed(*changed);
     } else if (const auto* const lost = std::get_if<PeerLost>(&action)) {
@@ -31,7 +31,7 @@ void KnownPeers::take_actions() {
     } else if (const auto* const cut = std::get_if<PathsCut>(&action)) {
       directory_.paths_cut(*cut);
     } else {
-      of_links_.push_back(std::move(action));
+      of_links_.push_back(std::get<LinkAction>(action));
     }
   }
 }
@@ -72,7 +72,7 @@ void KnownPeers::note_vanilla_gone() {
 void KnownPeers::participant_came(const RemoteParticipant& id, const ParticipantData& data) {
   const Turn turn(*this);
   peers_.participant_found(id, data.process, std::chrono::steady_clock::now(), data.asks);
-  if (data.uses_topic) of_links_.emplace_back(HeartbeatsMissing{id.link});
+  if (data.uses_topic) of_links_.push_back({id.link, LinkAction::Kind::use_topic});
 }
 
 void KnownPeers::participant_gone(const RemoteParticipant& id) {

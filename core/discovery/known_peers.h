@@ -31,9 +31,8 @@ class KnownPeers {
   }
 
   struct Todo {
-    std::vector<PeerAction> of_links{};  ///< those of the kinds RenewLink, EndLink, Announce and
-                                         ///< HeartbeatsMissing
-    Time next = Time::max();             ///< the time by which look() must be called again
+    std::vector<LinkAction> of_links{};
+    Time next = Time::max();  ///< the time by which look() must be called again
   };
   /// Returns the actions that are due. Must be called after heartbeat_came() for all heartbeats that were
   /// read. The caller needs no lock.
@@ -89,7 +88,7 @@ class KnownPeers {
   std::set<RemoteParticipant> vanilla_ SFT_GUARDED_BY(mutex_);
   std::uint64_t vanilla_came_ SFT_GUARDED_BY(mutex_) = 0;
   std::map<LinkId, LinkSpec> specs_ SFT_GUARDED_BY(mutex_);
-  std::vector<PeerAction> of_links_ SFT_GUARDED_BY(mutex_);
+  std::vector<LinkAction> of_links_ SFT_GUARDED_BY(mutex_);
 };
 
 }  // namespace sft::core

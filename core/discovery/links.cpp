@@ -6,14 +6,6 @@ namespace sft::core {
 
 namespace {
 
-std::optional<HeartbeatSocket::Place> heartbeats_on(const LinkSpec& link, const DdsConfig& config) {
-  if (!config.heartbeat_port || !link.ip.is_ipv4()) return std::nullopt;
-  return HeartbeatSocket::Place{.ip = link.ip,
-                                .index = link.index,
-                                .port = *config.heartbeat_port,
-                                .reaches_own_host = link.loopback || link.reaches_own_host};
-}
-
 bool holds_text(const std::vector<std::string>& texts, const std::string& text) {
   return std::ranges::find(texts, text) != texts.end();
 }
@@ -81,13 +73,14 @@ Result<std::shared_ptr<const CycloneDomain>> Links::open_domain(const OpenLink& 
 Result<void> Links::open_link(OpenLink& link) {
   auto domain = open_domain(link);
   if (!domain) return tl::unexpected(domain.error());
-  const std::optional<HeartbeatSocket::Place> heartbeats = heartbeats_on(link.spec, settings_.config);
-  known_.link_made(link.id, link.spec, heartbeats.has_value());
+  const std::optional<std::uint16_t> port = settings_.config.heartbeat_port_on(link.spec);
+  known_.link_made(link.id, link.spec, port.has_value());
   auto opened = ControlLink::open({.link = link.id,
                                    .domain = std::move(*domain),
                                    .process = own_.process(),
                                    .is_secured = settings_.config.is_secured,
-                                   .heartbeats = heartbeats},
+                                   .spec = link.spec,
+                                   .heartbeat_port = port},
                                   known_);
   if (!opened) return tl::unexpected(opened.error());
   link.link = std::move(*opened);

@@ -379,7 +379,7 @@ void Peers::look_at(const RemoteParticipant& id, Participant& participant, Time 
   if (!participant.heard_at && now >= known_to_it_at(participant, timing_)) link.was_asked = true;
   if (now >= unheard_at(id.link, participant)) {
     link.is_unheard = true;
-    actions_.emplace_back(HeartbeatsMissing{id.link});
+    actions_.emplace_back(LinkAction{id.link, LinkAction::Kind::use_topic});
   }
 }
 
@@ -409,18 +409,19 @@ void Peers::look_at_room(Time now) {
 /// pauses.
 void Peers::look_at_link(LinkId id, Link& link, Time now) {
   if (link.retired_at) {
-    if (now >= *link.retired_at + timing_.lease) actions_.emplace_back(EndLink{id});
+    if (now >= *link.retired_at + timing_.lease) actions_.emplace_back(LinkAction{id, LinkAction::Kind::end});
     return;
   }
   if (link.misses && now >= renewal_due(link)) {
-    actions_.emplace_back(RenewLink{id, link.misses_from});
+    actions_.emplace_back(LinkAction{id, LinkAction::Kind::renew, link.misses_from});
     link.pause = *link.misses ? timing_.lease : std::min(2 * link.pause, timing_.renew_pause_max);
     link.renewed_at = now;
   } else if (!link.misses && now >= link.renewed_at + 2 * link.pause) {
     link.pause = timing_.lease;
   }
   if (now < announcement_due(link)) return;
-  actions_.emplace_back(Announce{id, link.has_unknown});
+  actions_.emplace_back(
+      LinkAction{id, link.has_unknown ? LinkAction::Kind::ask : LinkAction::Kind::announce});
   const bool repeats = link.announce_at < link.repeat_until;
   const auto longer = link.has_unknown || repeats ? 2 * link.announce_pause : timing_.heartbeat_every;
   link.announce_pause = std::clamp(longer, timing_.heartbeat_every, timing_.lease);

@@ -63,27 +63,22 @@ struct PathsCut {
   std::vector<LinkId> heard{};  ///< the links with heartbeats; two of these may lead to the same network
   friend bool operator==(const PathsCut&, const PathsCut&) = default;
 };
-/// Heartbeats of a participant that Cyclone has found do not arrive on the link. A firewall may let only
-/// the ports of DDS pass. So heartbeats have to be sent through Cyclone.
-struct HeartbeatsMissing {
+/// Something that has to be done with a link of this process.
+struct LinkAction {
+  enum class Kind : std::uint8_t {
+    renew,     ///< records are missing on the link, which has to be replaced by a new one
+    end,       ///< the retired link is not needed any more, and has to be closed
+    announce,  ///< the participant on the link has to announce itself once more
+    ask,       ///< the same, and it has to ask all receivers to announce themselves, too
+    use_topic  ///< heartbeats of a participant that Cyclone has found do not arrive, because a firewall may
+               ///< let only the ports of DDS pass; so heartbeats have to be sent through Cyclone
+  };
   LinkId link = 0;
+  Kind kind{};
+  IpAddress from{};  ///< for `renew`: the address of a process whose records are missing; "any" if it is not
+                     ///< known
 };
-/// Records are missing on the link, which has to be replaced by a new one.
-struct RenewLink {
-  LinkId link = 0;
-  IpAddress from{};  ///< the address of a process whose records are missing; "any" if it is not known
-};
-/// The retired link is not needed any more and has to be closed.
-struct EndLink {
-  LinkId link = 0;
-};
-/// The participant of this process on the link has to announce itself once more.
-struct Announce {
-  LinkId link = 0;
-  bool asks = false;  ///< asks all receivers to announce themselves, too
-};
-using PeerAction =
-    std::variant<PeerLost, RecordChanged, PathsCut, HeartbeatsMissing, RenewLink, EndLink, Announce>;
+using PeerAction = std::variant<PeerLost, RecordChanged, PathsCut, LinkAction>;
 
 /// These limits bound what attackers can make this process store. Further records are refused, counted and
 /// logged.
@@ -182,7 +177,7 @@ class Peers {
     /// Empty if nothing is missing. True if the link has brought all records of a participant of which it
     /// misses some now. Then a renewal will probably help. If a participant was made up, it never helps.
     std::optional<bool> misses{};
-    IpAddress misses_from{};            ///< see RenewLink
+    IpAddress misses_from{};            ///< see LinkAction
     Time renewed_at{};                  ///< when the link was made, or could not be renewed
     std::chrono::milliseconds pause{};  ///< the time from that until a renewal that may not help
     bool has_unknown = false;  ///< a participant that Cyclone does not know gives heartbeats, or the network
@@ -192,7 +187,7 @@ class Peers {
     Time repeat_until{};       ///< the end of the time in which announcements are repeated
     std::optional<Time> unknown_at{};            ///< when the first heartbeat of an unknown participant came
                                                  ///< after the last question
-    bool is_unheard = false;                     ///< HeartbeatsMissing was reported
+    bool is_unheard = false;                     ///< LinkAction::Kind::use_topic was reported
     Time announce_at{};                          ///< the earliest time of the next announcement
     std::chrono::milliseconds announce_pause{};  ///< the pause after the last announcement
   };

@@ -81,24 +81,15 @@ bool Negotiation::request_received(const Request& request) {
   return table_.is_topic_of_ours(reader->endpoint.topic);
 }
 
-bool Negotiation::requirement_changed(EndpointId reader, const Selection& selection) {
+bool Negotiation::requirement_changed(EndpointId reader, const Wanted& wanted) {
   TableEntry* const ours = table_.find_ours(reader);
   if (ours == nullptr) return false;
   Request& request = ours->endpoint.request;
-  std::vector<std::uint64_t> words = selection.mask().to_words();
-  std::vector<std::byte> parts;
-  if (!selection.is_mask()) parts = selection.to_bytes();
-  if (words == request.mask_words && parts == request.parts) return false;
-  request.mask_words = std::move(words);
-  request.parts = std::move(parts);
-  return renew(request);
-}
-
-bool Negotiation::rate_changed(EndpointId reader, std::uint32_t min_period_us) {
-  TableEntry* const ours = table_.find_ours(reader);
-  if (ours == nullptr || ours->endpoint.request.min_period_us == min_period_us) return false;
-  ours->endpoint.request.min_period_us = min_period_us;
-  return renew(ours->endpoint.request);
+  const Request before = request;
+  request.mask_words = wanted.selection.mask().to_words();
+  request.parts = wanted.selection.is_mask() ? std::vector<std::byte>() : wanted.selection.to_bytes();
+  request.min_period_us = wanted.min_period_us;
+  return request != before && renew(request);
 }
 
 /// If the path by which retained samples came is lost, all retained samples are sent again.

@@ -46,9 +46,8 @@ class Negotiation {
   bool endpoint_departed(EndpointId id);
   bool endpoint_lost(EndpointId id, Time now);
   bool request_received(const Request& request);
-  /// Called when one of our readers needs other fields, parts or conditions.
-  bool requirement_changed(EndpointId reader, const Selection& selection);
-  bool rate_changed(EndpointId reader, std::uint32_t min_period_us);
+  /// Called when one of our readers needs other fields, parts, conditions, or another maximum rate.
+  bool requirement_changed(EndpointId reader, const Wanted& wanted);
   /// Called when one of our readers now takes datagrams of a writer (`listening`), or is attached to its
   /// shared memory, or no longer does so.
   bool connection_changed(EndpointId reader, EndpointId writer, bool listening, bool attached);

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/control/qos.h"
+#include "core/names/qos.h"
 #include "core/platform/clock.h"
 
 namespace sft::core {

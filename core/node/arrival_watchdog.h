@@ -4,7 +4,9 @@
 // are returned.
 //
 // The watchdog never complains about a pair that works, even if the pair is quiet, slow, lossy or limited:
-// - Only samples that were sent after the last arrival, with all fields and to all readers, count.
+// - Only samples that were sent after the last arrival, with all fields and to all readers, count. A report
+//   is some milliseconds old when it comes, so it counts only if nothing has arrived for longer than that.
+// - While the process is stopped, it receives nothing. After that, samples are given time to arrive again.
 // - If samples may be lost, more of them must be missing than can be lost by chance.
 // - The last samples are given time to arrive, and large samples are given more time.
 // - With a maximum rate, only samples that were reported at least one period apart count. Samples in
@@ -33,6 +35,10 @@ class ArrivalWatchdog {
   static constexpr std::uint64_t slowest_bytes_per_s = 100'000;
   static constexpr std::chrono::seconds timeout_with_history{10};
   static constexpr std::chrono::seconds quiet_after{2};
+  /// The maximum age of a report when it comes. Samples that were sent after it may have arrived before it.
+  static constexpr std::chrono::milliseconds report_age_max{500};
+  /// If there was no look for this time, the process was stopped or got no processor.
+  static constexpr std::chrono::seconds stopped_after{5};
   static constexpr std::chrono::seconds progress_needed_for{60};
   /// The pauses between two restarts. As long as nothing arrives, each pause is twice as long as the
   /// previous one, up to the longest.
@@ -45,10 +51,9 @@ class ArrivalWatchdog {
     bool awaits_history = false;
   };
 
-  /// Must be called with the progress whenever the writer's node has just reported it, and about once a
-  /// second with null. A progress must not be passed if something has arrived since it was reported.
-  /// `signs` must change whenever something from the writer arrives. Returns true if the connection has to
-  /// be set up anew. The watchdog then assumes that the caller does this.
+  /// Must be called with the progress whenever a report of the writer's node has come, and about once a
+  /// second with null. `signs` must change whenever something from the writer arrives. Returns true if the
+  /// connection has to be set up anew. The watchdog then assumes that the caller does this.
   bool look(const Progress* progress, std::uint64_t signs, const Pair& pair, Time now);
   /// Starts counting again. Must be called if there is no connection, or if there is another known reason
   /// why nothing arrives.
@@ -66,7 +71,8 @@ class ArrivalWatchdog {
   std::chrono::nanoseconds time_to_arrive(const Pair& pair) const;
 
   std::optional<std::uint64_t> signs_;
-  Time arrived_at_{};  ///< the time when signs_ changed last
+  Time looked_at_{};
+  Time arrived_at_{};  ///< the time when signs_ changed last, or of the last restart if that was later
   Time needs_progress_until_{};
   std::optional<Progress> base_;  ///< the first progress that was reported since the last arrival
   Progress latest_{};

@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "core/control/control.h"
 #include "core/negotiation/endpoint_table.h"
-#include "core/node/account_table.h"
 #include "sft/domain.h"
 
 namespace sft::core {

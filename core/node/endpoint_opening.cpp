@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "core/control/described_type.h"
-#include "core/control/names.h"
-#include "core/control/qos.h"
+#include "core/names/names.h"
+#include "core/names/qos.h"
 #include "core/negotiation/requested_selection.h"
 #include "core/node/topics.h"
 #include "core/platform/random_id.h"

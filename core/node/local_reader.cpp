@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/control/names.h"
+#include "core/names/names.h"
 #include "core/report/events.h"
 
 namespace sft::core {
@@ -209,9 +209,7 @@ bool LocalReader::may_try_again(Time now) const {
 bool LocalReader::requirement_changed() {
   has_changes_ = true;  // status() shows the new requirement already
   const Wanted wanted{feed_.required(), ports().min_period_us()};
-  const bool is_other = node_.negotiation.requirement_changed(feed_.spec().id, wanted.selection);
-  const bool has_other_rate = node_.negotiation.rate_changed(feed_.spec().id, wanted.min_period_us);
-  if (!is_other && !has_other_rate) return false;
+  if (!node_.negotiation.requirement_changed(feed_.spec().id, wanted)) return false;
   const Time now = std::chrono::steady_clock::now();
   const Wanted& before = accepted_.latest();
   const bool of_the_same_samples = wanted.min_period_us == before.min_period_us &&

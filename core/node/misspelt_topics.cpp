@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/control/names.h"
+#include "core/names/names.h"
 #include "sft/detail/text.h"
 
 namespace sft::core {
@@ -52,7 +52,11 @@ std::vector<std::string> MisspeltTopics::look(const EndpointTable& table, const 
   std::erase_if(unpublished_, [&](const auto& item) {
     if (now < item.second.at) return false;
     const TableEntry* const entry = table.find_ours(item.first);
-    return entry == nullptr || !table.counterparts(*entry).empty();
+    if (entry == nullptr || !table.counterparts(*entry).empty()) return true;
+    // Publishers of DDS are not in the table.
+    return std::ranges::any_of(publishers_of(entry->endpoint.type_name), [entry](const auto& publisher) {
+      return publisher.topic == entry->endpoint.topic;
+    });
   });
   for (auto& [reader, next] : unpublished_) {
     if (now < next.at) continue;

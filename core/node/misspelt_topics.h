@@ -32,9 +32,9 @@ class MisspeltTopics {
   /// Called when a subscriber of this node was opened.
   void added(EndpointId reader, Time now) { unpublished_[reader] = {now + first_look, first_look}; }
   using PublishersOf = std::function<std::vector<Discovery::KnownPublisher>(const std::string& type_name)>;
-  /// Returns a sentence for each subscriber whose next look is due and whose topic may be misspelt. For
-  /// `publishers_of` see Discovery::publishers_of(). Once the topic has had a publisher, its subscriber is
-  /// not examined again.
+  /// Returns a sentence for each subscriber whose next look is due and whose topic may be misspelt.
+  /// `publishers_of` returns the publishers of that type, also those of DDS. Once the topic has had a
+  /// publisher, its subscriber is not examined again.
   std::vector<std::string> look(const EndpointTable& table, const PublishersOf& publishers_of, Time now);
 
  private:

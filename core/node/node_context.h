@@ -19,7 +19,7 @@ struct NodeContext {
   NodeLog& log;
   SharedMemory* memory = nullptr;    ///< null if the node must not use shared memory
   Network* network = nullptr;        ///< null if the node must not use the network
-  VanillaAccess* vanilla = nullptr;  ///< null if unmodified DDS nodes are neither served nor heard
+  VanillaAccess* vanilla = nullptr;  ///< null if the node exchanges no samples with unmodified DDS nodes
 };
 
 /// Reports the differences between the present state and the last reported one to the user, as events.

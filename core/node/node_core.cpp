@@ -4,8 +4,8 @@
 #include <iterator>
 #include <utility>
 
-#include "core/control/names.h"
-#include "core/control/qos.h"
+#include "core/names/names.h"
+#include "core/names/qos.h"
 #include "core/node/simulated_clock.h"
 #include "core/node/topics.h"
 #include "core/platform/clock.h"
@@ -18,6 +18,11 @@ namespace sft::core {
 using namespace std::chrono_literals;
 
 namespace {
+/// Without /proc, a node has a random network id, so that it mistakes no other host for its own.
+constexpr const char* without_proc =
+    "without /proc this program does not know which others are on its host: it treats them as on another "
+    "host, and does not reach them if the loopback is the only interface; mount /proc";
+
 /// A search for a type hears subscribers, too, if no publisher has announced the type within this time. If
 /// all nodes that search for types did that at once, all nodes would have to announce all their subscribers
 /// to each other.
@@ -100,6 +105,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   if (!opened) return tl::unexpected(opened.error());
   node->discovery_ = std::move(*opened);
   if (!complaint.empty()) node->log_.write(LogLevel::warning, complaint);
+  if (!network_id()) node->log_.write(LogLevel::warning, without_proc);
   for (const std::string& text : options_without_effect(options)) node->log_.write(LogLevel::warning, text);
   const Discovery::Configuration configuration = node->discovery_->configuration();
   for (const auto* texts : {&configuration.warnings, &configuration.remarks}) {
@@ -142,7 +148,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
 NodeCore::NodeCore(const NodeOptions& options, Parts parts)
     : options_(options),
       id_(random_id()),
-      network_id_(network_id()),
+      network_id_(network_id().value_or(random_id())),
       memory_(std::move(parts.memory)),
       network_(std::move(parts.network)),
       callbacks_({"event " + options.name, options.threads.callbacks}),
@@ -172,15 +178,16 @@ NodeOptions::LogSink NodeCore::posted(const NodeOptions::LogSink& sink) {
   };
 }
 
-/// Destroys the node. The last handle may be released within a callback, that is, on a thread for which the
-/// destructor waits. In this case another thread destroys the node.
+/// Destroys the node. The last handle may be released within a callback of this node or of another one. The
+/// destructor waits for the thread of this node's callbacks, which may wait for the callback that releases
+/// the handle. In this case another thread destroys the node.
 void NodeCore::dispose(NodeCore* node) {
   // The threads of the node do not exist here, and its sockets and files belong to the parent.
   if (is_forked_copy()) return;
-  const bool own_thread = SubscriberCore::in_callback() || node->agent_.is_current_thread() ||
-                          node->callbacks_.is_current_thread() || node->dispatcher_.is_current_thread() ||
-                          node->poller_.is_current_thread();
-  if (!own_thread) {
+  const bool in_callback = SubscriberCore::in_callback() || CallbackThread::in_call() ||
+                           node->agent_.is_current_thread() || node->dispatcher_.is_current_thread() ||
+                           node->poller_.is_current_thread();
+  if (!in_callback) {
     delete node;
   } else if (auto thread = start_thread("sft-close", [node] { delete node; })) {
     thread->detach();
@@ -249,7 +256,7 @@ Result<detail::untyped::Subscriber> NodeCore::open_subscriber(const std::shared_
 }
 
 void NodeCore::take_events() {
-  discovery_->take_events(*reconciler_);
+  for (const DiscoveryEvent& event : discovery_->take_events()) reconciler_->take(event);
   endpoints_changed_.raise();
 }
 

@@ -12,8 +12,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/control/remapping.h"
 #include "core/discovery/discovery.h"
+#include "core/names/remapping.h"
 #include "core/node/endpoint_opening.h"
 #include "core/node/endpoint_registry.h"
 #include "core/node/kept_types.h"
@@ -80,7 +80,7 @@ class NodeCore final {
   std::function<void()> by_agent(void (NodeCore::*act)());
   // Called by the agent only.
   void take_events();
-  void vanilla_changed() { reconciler_->look_after_vanilla(); }
+  void vanilla_changed() { reconciler_->take(VanillaChanged{}); }
 
   /// Makes discovery report all publishers from now on, and all subscribers if `readers_too` is true. Called
   /// by the agent only.

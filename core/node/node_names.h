@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/control/remapping.h"
+#include "core/names/remapping.h"
 #include "core/platform/clock.h"
 #include "core/sync/mutex.h"
 

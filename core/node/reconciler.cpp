@@ -1,19 +1,18 @@
 #include "core/node/reconciler.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
+#include <variant>
 
 namespace sft::core {
 
 namespace {
-constexpr std::chrono::milliseconds tick_while_attaching{1};
 constexpr std::chrono::milliseconds tick_shortest{1};
 constexpr std::chrono::seconds complaint_pause{1};
 constexpr std::chrono::seconds held_up_for{1};
-constexpr std::chrono::milliseconds arrivals_pause{900};
 constexpr const char* remedy_of_long_callbacks =
     "open a node of its own for a long callback, or give its work to another thread";
-constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is checked less often
 
 /// Returns true if frequent looks are needed, because no event will report a change: an endpoint is lost,
 /// retained samples are still being sent to a late reader, or a callback may take long.
@@ -95,19 +94,24 @@ void Reconciler::program_asserts(EndpointId id) {
   if (writer->second.watch_promises(now)) report({id}, now);
 }
 
-void Reconciler::endpoint_seen(const Endpoint& endpoint) { dirty_ |= negotiation_.endpoint_seen(endpoint); }
-
-void Reconciler::endpoint_departed(EndpointId id) { dirty_ |= negotiation_.endpoint_departed(id); }
-
-void Reconciler::endpoint_lost(EndpointId id) {
-  dirty_ |= negotiation_.endpoint_lost(id, std::chrono::steady_clock::now());
+void Reconciler::take(const DiscoveryEvent& event, Time now) {
+  if (const auto* const seen = std::get_if<EndpointSeen>(&event))
+    dirty_ |= negotiation_.endpoint_seen(**seen);
+  if (const auto* const departed = std::get_if<EndpointDeparted>(&event))
+    dirty_ |= negotiation_.endpoint_departed(departed->id);
+  if (const auto* const lost = std::get_if<EndpointLost>(&event))
+    dirty_ |= negotiation_.endpoint_lost(lost->id, now);
+  if (const auto* const request = std::get_if<Request>(&event))
+    dirty_ |= negotiation_.request_received(*request);
+  if (const auto* const report = std::get_if<NodeReport>(&event)) take_report(*report, now);
+  if (std::holds_alternative<VanillaChanged>(event)) {
+    look_after_vanilla(now);
+    dirty_ = true;
+  }
+  if (const auto* const news = std::get_if<DiscoveryNews>(&event)) log_news(*news);
 }
 
-void Reconciler::request_received(const Request& request) {
-  dirty_ |= negotiation_.request_received(request);
-}
-
-void Reconciler::report_received(const NodeReport& report, Time now) {
+void Reconciler::take_report(const NodeReport& report, Time now) {
   for (const Progress& progress : report.progress) negotiation_.progressed(progress);
   reports_.received(report, now);
   for (auto& [id, reader] : ours_.readers) reader.asserted(report.living);
@@ -115,61 +119,65 @@ void Reconciler::report_received(const NodeReport& report, Time now) {
 }
 
 /// Of lines about refused messages, of which there may be a flood, only one per pause is logged.
-void Reconciler::log_news(News news, const std::string& text, std::uint64_t times) {
-  if (news == News::link_renewed) counts_.links_renewed.fetch_add(1, std::memory_order_relaxed);
-  if (news == News::malformed || news == News::too_much) {
-    std::atomic<std::uint64_t>& count = news == News::malformed ? counts_.malformed : counts_.ignored;
-    const std::uint64_t refused = count.fetch_add(times, std::memory_order_relaxed) + times;
+void Reconciler::log_news(const DiscoveryNews& news) {
+  using enum DiscoveryNews::Kind;
+  if (news.kind == link_renewed) counts_.links_renewed.fetch_add(1, std::memory_order_relaxed);
+  if (news.kind == malformed || news.kind == too_much) {
+    std::atomic<std::uint64_t>& count = news.kind == malformed ? counts_.malformed : counts_.ignored;
+    const std::uint64_t refused = count.fetch_add(news.times, std::memory_order_relaxed) + news.times;
     const auto now = std::chrono::steady_clock::now();
     if (now < next_complaint_) return;
     next_complaint_ = now + complaint_pause;
-    log_.write(LogLevel::warning, "control traffic refused, " + std::to_string(refused) + " in all: " + text);
+    log_.write(LogLevel::warning,
+               "control traffic refused, " + std::to_string(refused) + " in all: " + news.text);
   } else {
-    log_.write(news == News::links_changed ? LogLevel::info : LogLevel::warning, "discovery: " + text);
+    log_.write(news.kind == links_changed ? LogLevel::info : LogLevel::warning, "discovery: " + news.text);
   }
 }
 
 /// Sets up connections anew over which nothing arrives. `reported` is the progress of writers that has just
 /// been reported.
 void Reconciler::look_at_arrivals(const std::vector<Progress>& reported, Time now) {
-  arrivals_looked_at_ = now;
   const bool held_up = now - held_up_at_ < held_up_for;
   for (auto& [id, reader] : ours_.readers) dirty_ |= reader.restart_stalled(reported, held_up, now);
 }
 
-void Reconciler::look_after_vanilla(Time now) {
-  vanilla_.look(discovery_.vanilla(), needs_vanilla(), now);
-  dirty_ = true;
+bool Reconciler::look_after_vanilla(Time now) {
+  const bool is_needed = observes_ || !ours_.writers.empty() || !ours_.readers.empty();
+  return vanilla_.look(discovery_.vanilla(), is_needed, now);
 }
 
 void Reconciler::observe() {
-  if (!std::exchange(observes_, true)) look_after_vanilla();
+  if (!std::exchange(observes_, true)) take(VanillaChanged{});
 }
 
 std::chrono::milliseconds Reconciler::tick(Time now) {
   look_after_memory(now);
   look_after_addresses(now);
-  dirty_ |= vanilla_.look(discovery_.vanilla(), needs_vanilla(), now);
+  dirty_ |= look_after_vanilla(now);
   for (auto& [id, reader] : ours_.readers) reader.forget_what_was_in_flight(now);
   dirty_ |= negotiation_.tick(now);
   const auto publishers_of = [this](const auto& type) { return discovery_.publishers_of(type); };
-  for (const auto& sentences : {misspelt_topics_.look(negotiation_.table(), publishers_of, now),
+  const auto all_publishers_of = [&](const auto& type) {
+    std::vector<Discovery::KnownPublisher> publishers = publishers_of(type);
+    std::ranges::move(vanilla_.publishers_of(type), std::back_inserter(publishers));
+    return publishers;
+  };
+  for (const auto& sentences : {misspelt_topics_.look(negotiation_.table(), all_publishers_of, now),
                                 second_servers_.look(negotiation_.table(), publishers_of, now)}) {
     for (const std::string& sentence : sentences) log_.write(LogLevel::warning, sentence);
   }
   look_after_endpoints(now);
   settle();
   const bool awaits_port = context_.memory != nullptr && context_.memory->awaits_answer();
-  hurried_ticks_ = look_after_connections(now) || awaits_port ? hurried_ticks_ + 1 : 0;
+  tick_pace_.note_waiting(look_after_connections(now) || awaits_port);
   watch_promises(now);
-  if (now - arrivals_looked_at_ >= arrivals_pause) look_at_arrivals({}, now);
   reports_.inquire(now);
   discovery_looks_at_ = discovery_.look_after(now);
   if (!departing_.empty() || has_to_be_watched(negotiation_, ours_)) tick_pace_.stirred(now);
   reconcile();
   log_.tick(now);
-  const bool hurry = hurried_ticks_ > 0 && hurried_ticks_ <= hurried_ticks_max;
-  return hurry ? tick_while_attaching : pace(now);
+  return pace(now);
 }
 
 void Reconciler::look_after_memory(Time now) {
@@ -269,11 +277,13 @@ void Reconciler::watch_promises(Time now) {
 }
 
 void Reconciler::report(std::vector<EndpointId> living, Time now) {
-  NodeReport report = reports_.is_due(now) ? reports_.take(now) : NodeReport{};
+  const bool is_due = reports_.is_due(now);
+  if (is_due) look_at_arrivals({}, now);
+  NodeReport report = is_due ? reports_.take(now) : NodeReport{};
   report.living = std::move(living);
   if (report.empty()) return;
   discovery_.report(report);
-  report_received(report, now);  // needed also by the readers of this node
+  take_report(report, now);  // needed also by the readers of this node
 }
 
 /// Returns the time until the next tick: the time that tick_pace_ gives, or less if a transport, discovery,

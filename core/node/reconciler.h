@@ -29,8 +29,7 @@
 
 namespace sft::core {
 
-/// Larger than usual: there is a function for each kind of event, of discovery and of the program.
-class Reconciler final : public DiscoveryListener {
+class Reconciler final {
  public:
   /// All arguments must outlive this object. A transport is null if the node must not use that transport.
   Reconciler(std::uint64_t network_id, SharedMemory* memory, Network* network, Discovery& discovery,
@@ -45,19 +44,9 @@ class Reconciler final : public DiscoveryListener {
   /// Called when the program has asserted the liveliness of a writer of this node.
   void program_asserts(EndpointId writer);
 
-  // Events from discovery.
-  void endpoint_seen(const Endpoint& endpoint) override;
-  void endpoint_departed(EndpointId id) override;
-  void endpoint_lost(EndpointId id) override;
-  void request_received(const Request& request) override;
-  void report_received(const NodeReport& report) override {
-    report_received(report, std::chrono::steady_clock::now());
-  }
-  void report_received(const NodeReport& report, Time now);
-  void vanilla_changed() override { look_after_vanilla(); }
-  void log_news(News news, const std::string& text, std::uint64_t times) override;
-  /// To be called when nodes of DDS, or readers or writers of such nodes, have appeared or departed.
-  void look_after_vanilla(Time now = std::chrono::steady_clock::now());
+  /// Takes an event of discovery. VanillaChanged must also be passed when DDS readers or writers have come or
+  /// gone.
+  void take(const DiscoveryEvent& event, Time now = std::chrono::steady_clock::now());
   /// From now on, unmodified nodes are looked for even without a publisher or a subscriber, for vanilla().
   void observe();
 
@@ -84,7 +73,9 @@ class Reconciler final : public DiscoveryListener {
   const TransportMonitor& transports() const { return transports_; }
 
  private:
-  bool needs_vanilla() const { return observes_ || !ours_.writers.empty() || !ours_.readers.empty(); }
+  void take_report(const NodeReport& report, Time now);
+  void log_news(const DiscoveryNews& news);
+  bool look_after_vanilla(Time now);
   void report(std::vector<EndpointId> living, Time now);
   void watch_promises(Time now);
   void look_at_arrivals(const std::vector<Progress>& reported, Time now);
@@ -114,14 +105,11 @@ class Reconciler final : public DiscoveryListener {
   Reports reports_;
   TickPace tick_pace_;
   Time discovery_looks_at_{};  ///< the latest time of the next call of Discovery::look_after()
-  Time arrivals_looked_at_{};
-  Time held_up_at_{};  ///< the last time at which a callback that takes long was seen
+  Time held_up_at_{};          ///< the last time at which a callback that takes long was seen
   DiscoveryCounts counts_;
   Time next_complaint_{};  ///< the earliest time of the next line about refused control traffic
   bool observes_ = false;  ///< see observe()
   bool dirty_ = false;     ///< something changed since the last reconcile()
-  int hurried_ticks_ = 0;  ///< the number of successive ticks at which some reader waited for its connection
-                           ///< in shared memory
 };
 
 }  // namespace sft::core

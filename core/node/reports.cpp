@@ -5,6 +5,22 @@
 
 namespace sft::core {
 
+namespace {
+
+/// Adds the counts of one side of a pair to the account of the pair.
+void add_to(PairAccounts& accounts, const Account& account, std::chrono::nanoseconds age) {
+  DomainSnapshot::Account& pair = accounts[account.id.pair];
+  if (account.id.said_by == Role::writer) {
+    pair.publisher = account.by_writer;
+    pair.publisher->age = age;
+  } else {
+    pair.subscriber = account.by_reader;
+    pair.subscriber->age = age;
+  }
+}
+
+}  // namespace
+
 void Reports::ask(const std::string& topic) {
   ++topics_[topic];
   inquire(std::chrono::steady_clock::now());
@@ -18,7 +34,7 @@ void Reports::ask_for_progress(Time now) {
 void Reports::ask_no_more(const std::string& topic) {
   const auto asked = topics_.find(topic);
   if (asked != topics_.end() && --asked->second == 0) topics_.erase(asked);
-  if (topics_.empty()) table_.clear();
+  if (topics_.empty()) reported_.clear();
 }
 
 void Reports::inquire(Time now) {
@@ -47,7 +63,8 @@ void Reports::received(const NodeReport& report, Time now) {
     const bool hears_dds =
         account.id.said_by == Role::reader && vanilla_.knows_writer(account.id.pair.writer, topic);
     if (!is_pair && !hears_dds) continue;
-    table_.enter(account, now);
+    if (reported_.size() < accounts_kept_max || reported_.contains(account.id))
+      reported_.insert_or_assign(account.id, Reported{account, now});
   }
 }
 
@@ -117,7 +134,9 @@ Account Reports::account(const AccountId& id) const {
 
 /// Returns the accounts that other nodes have reported, and the present ones of this node's endpoints.
 PairAccounts Reports::accounts(Time now) {
-  PairAccounts known = table_.accounts(now);
+  std::erase_if(reported_, [&](const auto& item) { return now - item.second.at >= account_kept_for; });
+  PairAccounts known;
+  for (const auto& [id, reported] : reported_) add_to(known, reported.account, now - reported.at);
   for (const AccountId& id : accounts_of_ours([this](const std::string& topic) { return asks_about(topic); }))
     add_to(known, account(id), {});
   return known;

@@ -5,6 +5,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <set>
 #include <string>
@@ -12,7 +14,6 @@
 
 #include "core/discovery/discovery.h"
 #include "core/negotiation/negotiation.h"
-#include "core/node/account_table.h"
 #include "core/node/local_endpoints.h"
 #include "core/node/vanilla_access.h"
 #include "core/platform/clock.h"
@@ -22,6 +23,12 @@ namespace sft::core {
 
 class Reports {
  public:
+  /// The maximum number of accounts of other nodes that are kept. Further accounts are refused.
+  static constexpr std::size_t accounts_kept_max = 4096;
+  /// The time for which an account is kept without a new report. Within this time a node can report 300
+  /// accounts, if no report is lost.
+  static constexpr std::chrono::milliseconds account_kept_for{10'000};
+
   /// All arguments must outlive this object.
   Reports(const Negotiation& negotiation, LocalEndpoints& ours, Discovery& discovery,
           const VanillaAccess& vanilla)
@@ -52,6 +59,11 @@ class Reports {
   static constexpr std::chrono::milliseconds pause{900};  // chosen so that an idle node reports at each look
   static constexpr std::chrono::seconds asks_for_progress{10};
 
+  struct Reported {
+    Account account;
+    Time at{};
+  };
+
   bool asks_about(const std::string& topic) const { return topics_.contains(topic); }
   std::vector<Progress> take_progress(const std::set<Inquiry>& asked, bool again);
   std::vector<Account> take_accounts(const std::set<Inquiry>& asked);
@@ -71,7 +83,7 @@ class Reports {
   Time reported_at_{};
   Turns<EndpointId> progress_turns_;
   Turns<AccountId> account_turns_;
-  AccountTable table_;
+  std::map<AccountId, Reported> reported_;  ///< the accounts that other nodes have reported
 };
 
 }  // namespace sft::core

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include "core/control/names.h"
+#include "core/names/names.h"
 
 namespace sft::core {
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/control/described_type.h"
-#include "core/control/names.h"
+#include "core/names/names.h"
 #include "core/node/misspelt_topics.h"
 #include "sft/detail/type_shape.h"
 

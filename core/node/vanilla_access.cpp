@@ -1,9 +1,11 @@
 #include "core/node/vanilla_access.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "core/names/names.h"
 #include "core/vanilla/dds_names.h"
 
 namespace sft::core {
@@ -41,6 +43,18 @@ bool VanillaAccess::knows_writer(EndpointId id, const std::string& topic) const 
                                                     [id](const auto& writer) { return writer.id == id; });
 }
 
+std::vector<Discovery::KnownPublisher> VanillaAccess::publishers_of(std::string_view type_name) const {
+  std::vector<Discovery::KnownPublisher> publishers;
+  if (writers_ == nullptr) return publishers;
+  const std::string type = dds_type(type_name);
+  for (const auto& [dds_name, writer] : writers_->all()) {
+    const std::optional<std::string> topic = topic_of_dds(dds_name);
+    if (writer.type_name == type && topic && fault_of_announced_topic(*topic).empty())
+      publishers.push_back({*topic, writer.node.empty() ? writer.participant : writer.node});
+  }
+  return publishers;
+}
+
 VanillaView VanillaAccess::view() const {
   if (domain_ == nullptr) return {};
   VanillaView view{.readers = domain_->readers().all(),
@@ -65,7 +79,8 @@ bool VanillaAccess::is_wanted(const Discovery::Vanilla& heard, Time now) {
   return may_serve(heard);
 }
 
-/// A program may begin to speak DDS at any time. Then its own participant is one more that comes.
+/// Returns true unless the program itself uses DDS. The program may begin to use DDS at any time. This is
+/// checked whenever a participant appears, because the program's own participant then appears, too.
 bool VanillaAccess::may_serve(const Discovery::Vanilla& heard) {
   if (std::exchange(came_, heard.came) == heard.came) return !program_speaks_dds_;
   const bool speaks = setup_.program_speaks(setup_.plan.domain);

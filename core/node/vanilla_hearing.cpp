@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/control/names.h"
+#include "core/names/names.h"
 #include "core/node/vanilla_access.h"
 #include "core/vanilla/dds_names.h"
 #include "core/vanilla/type_hash.h"
@@ -12,7 +12,8 @@ namespace sft::core {
 
 namespace {
 
-constexpr std::size_t reasons_max = 16;  // of one topic: forged writers can cost no more
+// The maximum number for one topic, so that the costs of forged writers are limited
+constexpr std::size_t reasons_max = 16;
 
 const char* text_of(RawFault fault) {
   switch (fault) {
@@ -90,8 +91,8 @@ void VanillaHearing::look_at_writers() {
   if (inlet_ != nullptr) inlet_->forget_others_than(present);
 }
 
-/// A thread that receives wakes the subscriber as a publisher in shared memory does, by its doorbell. So
-/// callbacks of the program never run on a thread of Cyclone.
+/// Opens the DDS reader. The thread that receives samples wakes the subscriber by its doorbell, as
+/// publishers in shared memory do. So callbacks of the program never run on a thread of Cyclone.
 void VanillaHearing::open_reader(bool hears, Time now) {
   if (!opening_.due(now)) return;
   const SubscriberCore::Spec& spec = core_.spec();
@@ -139,7 +140,8 @@ std::string VanillaHearing::node_of(const VanillaEndpoint& writer) const {
   return name.empty() ? writer.participant : name;
 }
 
-/// Leases are those of DDS: a writer whose lease is over is gone.
+/// Returns the state of each unmodified writer. Leases are checked by DDS: a writer whose lease has expired
+/// is not listed any more.
 std::vector<Hearing> VanillaHearing::hearing() const {
   std::vector<Hearing> hearing;
   for (const Writer& writer : writers_) {

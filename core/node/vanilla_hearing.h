@@ -1,7 +1,7 @@
-// Hears the unmodified DDS writers of the topic of one reader. It has a DDS reader while the node has a
-// participant for it. The reader is in the partition of the writers only while one that it can hear is there.
-// Otherwise the readers and writers of SFT's nodes, which DDS cannot tell from others, would match each
-// other. Used by the agent only.
+// Receives samples of the unmodified DDS writers of the topic of one reader. It has a DDS reader while the
+// node has a participant for it. The DDS reader is in the partition of the writers only while there is a
+// writer from which it can receive. Otherwise the DDS readers and DDS writers of SFT's nodes would match
+// each other, because DDS cannot distinguish them from others. Used by the agent only.
 #pragma once
 
 #include <chrono>
@@ -23,16 +23,16 @@ namespace sft::core {
 
 class VanillaHearing {
  public:
-  /// The DDS reader goes on to hear for this time after the last such writer has gone, since samples of the
-  /// writer may still arrive, and writers restart.
+  /// The time for which the DDS reader continues to receive after the last such writer has departed, since
+  /// samples of the writer may still arrive, and writers may restart.
   static constexpr std::chrono::seconds kept{2};
 
-  /// All outlive this object. `feed` belongs to `core`.
+  /// All arguments must outlive this object. `feed` belongs to `core`.
   VanillaHearing(NodeContext& node, SubscriberCore& core, Feed& feed);
 
-  /// Opens what is needed now, and closes what is not needed any more.
+  /// Opens objects that are needed now, and closes objects that are not needed any more.
   void reconcile(Time now);
-  /// Returns all such writers, heard or not.
+  /// Returns the state of all such writers, including writers from which nothing is received.
   std::vector<Hearing> hearing() const;
   /// Returns true if reconcile() has to be called.
   bool is_due(Time now) const;
@@ -40,7 +40,8 @@ class VanillaHearing {
  private:
   struct Writer {
     VanillaEndpoint endpoint;
-    std::string why_not;  ///< empty: it is heard
+    /// The reason why nothing is received from the writer; empty: its samples are received
+    std::string why_not;
   };
 
   void look_at_writers();
@@ -54,13 +55,15 @@ class VanillaHearing {
   NodeContext& node_;
   SubscriberCore& core_;
   Feed& feed_;
-  std::shared_ptr<VanillaInlet> inlet_;  ///< null until there was a DDS reader
+  std::shared_ptr<VanillaInlet> inlet_;  ///< null until the first DDS reader was opened
   std::unique_ptr<VanillaReader> reader_;
   std::vector<Writer> writers_;
-  std::set<std::string> unheard_;  ///< the reasons that the log has named
-  std::set<RawFault> faults_;      ///< those that the log has named
-  std::uint64_t changes_ = 0;      ///< VanillaEndpoints::changes() when the writers were looked at
-  Time wanted_at_{};               ///< when such a writer was there last
+  /// The reasons that were logged, for writers from which nothing is received
+  std::set<std::string> unheard_;
+  std::set<RawFault> faults_;  ///< the faults that were logged
+  /// The value of VanillaEndpoints::changes() at the last examination of the writers
+  std::uint64_t changes_ = 0;
+  Time wanted_at_{};  ///< the last time at which such a writer existed
   Retry opening_;
 };
 

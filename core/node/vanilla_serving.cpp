@@ -7,7 +7,7 @@
 namespace sft::core {
 
 namespace {
-/// The agent waits so long for answers to what was sent last.
+/// The time for which the agent waits for acknowledgements of the samples that were sent last.
 constexpr std::chrono::milliseconds answered_within{100};
 constexpr std::chrono::seconds waits_again_after{60};
 }  // namespace
@@ -16,7 +16,8 @@ VanillaServing::~VanillaServing() {
   if (outlet_ != nullptr) outlet_->close();
 }
 
-/// The retained samples of a publisher must be at its DDS writer before a reader comes.
+/// A publisher that retains samples has the outlet even without readers, because its retained samples must
+/// be in the DDS writer before a reader joins.
 bool VanillaServing::reconcile(Time now) {
   if (node_.vanilla == nullptr) return false;
   const std::shared_ptr<VanillaDomain>& domain = node_.vanilla->domain();
@@ -42,7 +43,7 @@ bool VanillaServing::reconcile(Time now) {
     outlet_->show_readers(readers);
     core_.vanilla_readers_changed();
   }
-  if (retired_ == nullptr) start_outlet(now);  // it may have failed before
+  if (retired_ == nullptr) start_outlet(now);  // if an earlier attempt has failed, this is the next one
   return retired_ != nullptr;
 }
 
@@ -78,8 +79,9 @@ bool VanillaServing::look(Time now) {
   return opening_.due_again(now);
 }
 
-/// DDS says only whether everything that was sent is acknowledged. If samples follow each other closely, some
-/// are always under way. So the agent waits for a moment before it takes readers for silent.
+/// DDS reports only whether all samples were acknowledged. If samples follow each other closely, some are
+/// always under way. So the agent waits for a moment before it concludes that a reader does not acknowledge
+/// samples.
 void VanillaServing::look_at_answers(Time now) {
   const bool has_readers = outlet_ != nullptr && outlet_->readers() > 0;
   bool is_answered = !has_readers || writer_->is_acknowledged({});

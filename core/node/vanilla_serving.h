@@ -1,5 +1,5 @@
 // Serves the unmodified DDS readers of one publisher. It has a DDS writer while the node has a participant
-// for it, and a port for the publisher while the writer has such readers. Used by the agent only.
+// for it. The publisher gets a port while the DDS writer has such readers. Used by the agent only.
 #pragma once
 
 #include <chrono>
@@ -19,23 +19,23 @@ namespace sft::core {
 
 class VanillaServing {
  public:
-  /// All samples that were sent may wait for their acknowledgements for this time.
+  /// The time within which the readers must have acknowledged all samples that were sent.
   static constexpr std::chrono::seconds unanswered_max{5};
 
-  /// Both outlive this object.
+  /// Both arguments must outlive this object.
   VanillaServing(NodeContext& node, PublisherCore& core) : node_(node), core_(core) {}
   ~VanillaServing();
   VanillaServing(const VanillaServing&) = delete;
   VanillaServing& operator=(const VanillaServing&) = delete;
 
-  /// Opens what is needed now, and closes what is not needed any more. Returns true if the port has changed.
-  /// Then the caller must give the new port to the publisher, and call in_force().
+  /// Opens objects that are needed now, and closes objects that are not needed any more. Returns true if
+  /// the port has changed. Then the caller must pass the new port to the publisher, and call in_force().
   bool reconcile(Time now);
   std::shared_ptr<VanillaPort> port() const { return outlet_; }
-  /// Notes that the publisher sends by the present port, and no longer by the former one.
+  /// Called once the publisher sends by the present port, and does not use the former port any more.
   void in_force();
-  /// Watches whether readers acknowledge what they are sent. Returns true if something could not be opened
-  /// and may be tried again.
+  /// Checks whether readers acknowledge their samples. Returns true if an object could not be opened and
+  /// the next attempt is due.
   bool look(Time now);
 
  private:
@@ -49,11 +49,13 @@ class VanillaServing {
   PublisherCore& core_;
   std::shared_ptr<VanillaWriter> writer_;
   std::shared_ptr<VanillaOutlet> outlet_;
-  std::shared_ptr<VanillaOutlet> retired_;  ///< the former port, until in_force()
-  std::set<std::string> complaints_;        ///< those that the log has named
-  std::uint64_t readers_changes_ = 0;       ///< VanillaEndpoints::changes() when the log named them
-  Time waits_at_ = std::chrono::steady_clock::now() + unanswered_max;  ///< for answers, see look_at_answers()
-  bool is_answered_ = true;  ///< false: some reader does not acknowledge what it is sent
+  std::shared_ptr<VanillaOutlet> retired_;  ///< the former port, until in_force() is called
+  std::set<std::string> complaints_;        ///< the complaints that were logged
+  /// The value of VanillaEndpoints::changes() when complaints were logged last
+  std::uint64_t readers_changes_ = 0;
+  /// The time of the next wait for acknowledgements, see look_at_answers()
+  Time waits_at_ = std::chrono::steady_clock::now() + unanswered_max;
+  bool is_answered_ = true;  ///< false: a reader does not acknowledge its samples
   Retry opening_;
 };
 

@@ -8,8 +8,8 @@
 #include <tuple>
 #include <utility>
 
-#include "core/control/names.h"
-#include "core/control/qos.h"
+#include "core/names/names.h"
+#include "core/names/qos.h"
 #include "core/vanilla/dds_names.h"
 #include "core/vanilla/type_hash.h"
 #include "core/vanilla/vanilla_matching.h"
@@ -21,13 +21,14 @@ namespace {
 
 using EndpointInfo = DomainSnapshot::Endpoint;
 
-/// The name of the endpoint's node. DDS itself has names of participants only.
+/// Returns the name of the endpoint's node. If the node is unknown, returns that of the participant, since
+/// DDS itself knows no nodes.
 const std::string& node_of(const VanillaEndpoint& endpoint) {
   return endpoint.node.empty() ? endpoint.participant : endpoint.node;
 }
 
-/// Returns the name of the topic in SFT; nothing if nodes of SFT cannot have such a topic or type. What DDS
-/// announces is not checked otherwise, and is shown to users.
+/// Returns the name of the topic in SFT, or nothing if nodes of SFT cannot have such a topic or type. This
+/// is the only check of the names that DDS announces, which are shown to users.
 std::optional<std::string> topic_of(const VanillaEndpoints::OfTopic& one, DdsNames names) {
   std::optional<std::string> topic = topic_of_dds(one.topic, names);
   const bool is_sound =
@@ -55,19 +56,20 @@ EndpointInfo vanilla_info_of(const VanillaEndpoints::OfTopic& one, std::string t
   return info;
 }
 
-/// The hash of the endpoint's type, if the other endpoint has one that it can be compared with.
+/// Returns the hash of the endpoint's type if the other endpoint has a hash, otherwise an empty text.
 std::string hash_of(const EndpointInfo& endpoint, const VanillaEndpoint& other) {
   return endpoint.type && !other.type_hash.empty() ? sft::ros_type_hash(*endpoint.type).value_or("") : "";
 }
 
-/// A node that has no DDS endpoint for one of DDS says why in its log, and nowhere else.
+/// Returns the reason why a pair is not connected. A node that has no DDS endpoint for a DDS node writes
+/// the exact reason only to its log.
 std::string not_connected(const std::string& whose, const char* what) {
   return "the node of the " + whose + " has no DDS " + what +
          " for it: it has not found the DDS node yet, or rules DDS nodes out (its options, SFT_VANILLA_DDS), "
          "or leaves them alone because its program speaks DDS itself (its log says so)";
 }
 
-/// The state of a publisher of SFT and a reader of DDS, by the rules of the publisher's node.
+/// Returns the state of a publisher of SFT and a reader of DDS, by the rules of the publisher's node.
 DomainSnapshot::Pair pair_of(const EndpointInfo& publisher, const VanillaEndpoint& reader,
                              const VanillaView& view) {
   const std::string type_name = dds_type(publisher.type_name, view.names);
@@ -90,7 +92,7 @@ DomainSnapshot::Pair pair_of(const EndpointInfo& publisher, const VanillaEndpoin
   return pair;
 }
 
-/// The state of a writer of DDS and a subscriber of SFT, by the rules of the subscriber's node.
+/// Returns the state of a writer of DDS and a subscriber of SFT, by the rules of the subscriber's node.
 DomainSnapshot::Pair pair_of(const VanillaEndpoint& writer, const EndpointInfo& subscriber,
                              const VanillaView& view) {
   const std::string type_name = dds_type(subscriber.type_name, view.names),

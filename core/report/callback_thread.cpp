@@ -45,7 +45,10 @@ void CallbackThread::call_next() {
       turns_.push_back(turn->first);
     }
   }
+  in_call_ = true;
   call();
+  call = nullptr;  // what the call captured may be the last handle of a node
+  in_call_ = false;
 }
 
 std::uint64_t CallbackThread::take_left_out() {

@@ -31,7 +31,8 @@ class CallbackThread {
   void post(const void* source, Agent::Task call);
   /// Runs the calls that were posted before, and then ends the thread.
   void stop() { agent_.stop(); }
-  bool is_current_thread() const { return agent_.is_current_thread(); }
+  /// Returns true within a call of any CallbackThread of the process.
+  static bool in_call() noexcept { return in_call_; }
   /// Returns the number of calls that were dropped since the last call of this function. Returns 0 while
   /// the queue of any source is full.
   std::uint64_t take_left_out();
@@ -41,6 +42,7 @@ class CallbackThread {
 
   void call_next();
 
+  static inline constinit thread_local bool in_call_ = false;
   const ThreadSpec spec_;
   Mutex start_mutex_;  ///< held while the thread is started
   bool is_started_ SFT_GUARDED_BY(start_mutex_) = false;

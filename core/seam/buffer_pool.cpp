@@ -35,12 +35,13 @@ constexpr std::size_t class_for(std::size_t bytes) {
 /// prepared, so that one of them may be taken while another one is being prepared.
 constexpr std::size_t stocked_bytes_min = 256 * 1024, stocked_part_max = 8, stocked = 2;
 constexpr std::size_t page_bytes = 4096;  // pages of the system have at least this size
-constexpr std::align_val_t small_alignment{64};
 
-/// Buffers of at least this size are mapped, so that all of their memory returns to the system when they are
-/// destroyed. An allocator keeps freed blocks: that of glibc keeps blocks of up to 32 MiB once the program
-/// has freed a block of such a size.
-constexpr std::size_t mapped_bytes_min = 16 * 1024;
+/// Buffers of these classes share mapped blocks. All others are mapped one by one. So all of their memory
+/// returns to the system. An allocator keeps freed blocks: that of glibc keeps blocks of up to 32 MiB once
+/// the program has freed a block of such a size.
+constexpr std::size_t small_classes = SmallBuffers::kinds;
+static_assert(capacity_of(0) % SmallBuffers::alignment == 0 &&
+              capacity_of(small_classes - 1) < SmallBuffers::block_bytes / 6);
 
 /// Returns the size in bytes of the mapping for a buffer. A mapping whose end is cut off ends at a multiple
 /// of the largest page size of Linux.
@@ -67,21 +68,6 @@ std::byte* map(std::size_t capacity) noexcept {
   return begin + before;
 }
 
-std::byte* allocate(std::size_t capacity) noexcept {
-  if (capacity >= mapped_bytes_min) return map(capacity);
-  return static_cast<std::byte*>(::operator new(capacity, small_alignment, std::nothrow));
-}
-
-void release(std::byte* data, std::size_t capacity) noexcept {
-  if (capacity < mapped_bytes_min) return ::operator delete(data, small_alignment);
-  if (data != nullptr) ::munmap(data, mapped_bytes(capacity));
-}
-
-void destroy(SampleBuffer* buffer) noexcept {
-  release(buffer->data, buffer->capacity);
-  delete buffer;
-}
-
 }  // namespace
 
 std::shared_ptr<BufferPool> BufferPool::make(std::size_t limit_bytes) {
@@ -89,7 +75,25 @@ std::shared_ptr<BufferPool> BufferPool::make(std::size_t limit_bytes) {
 }
 
 BufferPool::~BufferPool() {
-  for (auto& list : free_) std::for_each(list.begin(), list.end(), destroy);
+  for (auto& list : free_) destroy(list);
+}
+
+std::byte* BufferPool::allocate(std::size_t capacity) noexcept {
+  const std::size_t size_class = class_for(capacity);
+  return size_class < small_classes ? small_.take(size_class, capacity) : map(capacity);
+}
+
+void BufferPool::release(std::byte* data, std::size_t capacity) noexcept {
+  if (data == nullptr) return;
+  if (class_for(capacity) < small_classes) return small_.give_back(data);
+  ::munmap(data, mapped_bytes(capacity));
+}
+
+void BufferPool::destroy(std::span<SampleBuffer* const> buffers) noexcept {
+  for (SampleBuffer* const buffer : buffers) {
+    release(buffer->data, buffer->capacity);
+    delete buffer;
+  }
 }
 
 SampleHandle BufferPool::take(std::size_t bytes, std::size_t leave_bytes) noexcept {
@@ -234,7 +238,7 @@ void BufferPool::give_back(Time now) noexcept {
         unneeded_[size_class] = free_[size_class].size();
     }
   }
-  std::for_each(unneeded.begin(), unneeded.begin() + static_cast<std::ptrdiff_t>(found), destroy);
+  destroy(std::span(unneeded).first(found));
 }
 
 /// Frees kept buffers of other sizes until `needed` bytes fit within the limit.
@@ -252,7 +256,7 @@ void BufferPool::shrink(std::size_t needed) noexcept {
       }
     }
     if (victim == nullptr) return;
-    destroy(victim);
+    destroy({&victim, 1});
   }
 }
 
@@ -267,7 +271,8 @@ void BufferPool::keep(SampleBuffer& buffer) noexcept {
     free_[class_for(buffer.capacity)].push_back(&buffer);
   } catch (const std::bad_alloc&) {
     held_bytes_ -= buffer.capacity;
-    destroy(&buffer);
+    SampleBuffer* const dropped = &buffer;
+    destroy({&dropped, 1});
   }
 }
 

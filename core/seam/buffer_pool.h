@@ -10,10 +10,12 @@
 #include <chrono>
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/platform/clock.h"
 #include "core/seam/sample_buffer.h"
+#include "core/seam/small_buffers.h"
 #include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 
@@ -62,6 +64,9 @@ class BufferPool final : public BufferOwner, public std::enable_shared_from_this
   /// Counts `capacity` bytes against the limit. Returns false if the limit would be exceeded.
   bool reserve(std::size_t capacity) noexcept;
   SampleBuffer* make_reserved(std::size_t capacity) noexcept;
+  std::byte* allocate(std::size_t capacity) noexcept;
+  void release(std::byte* data, std::size_t capacity) noexcept;
+  void destroy(std::span<SampleBuffer* const> buffers) noexcept;
   bool stock_one(std::size_t size_class) noexcept;
   SampleBuffer* pick(std::size_t size_class) noexcept SFT_REQUIRES(mutex_);
   void keep(SampleBuffer& buffer) noexcept SFT_REQUIRES(mutex_);
@@ -77,6 +82,7 @@ class BufferPool final : public BufferOwner, public std::enable_shared_from_this
   std::size_t held_bytes_ SFT_GUARDED_BY(mutex_) = 0;     ///< the size of all buffers in bytes, lent and kept
   std::size_t lent_bytes_ SFT_GUARDED_BY(mutex_) = 0;
   const std::size_t limit_bytes_;
+  SmallBuffers small_;
 };
 
 }  // namespace sft::core

@@ -130,8 +130,8 @@ void DeliveryBook::keep(const std::set<std::uint64_t>& readers) {
   forget_the_gone();
 }
 
-/// Moves the counts of departed readers to the total. Readers on the pages in force are left out, because
-/// their counts may grow until the next page is in force.
+/// Moves the counts of departed readers to the total. Readers on the pages in use are left out, because
+/// their counts may grow until the next page is put into use.
 void DeliveryBook::forget_the_gone() {
   for (auto entry = accounts_.begin(); entry != accounts_.end();) {
     const Account& account = entry->second;

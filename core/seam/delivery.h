@@ -103,15 +103,15 @@ class DeliveryBook {
   void enter(const Page& page);
   /// Adds to the count of retained samples that were sent to a reader at first.
   void retained(std::uint64_t reader, std::uint64_t samples);
-  /// Removes the accounts of all readers except `readers`. The removed readers must not come back. From
-  /// then on their counts are contained only in total().
+  /// Removes the accounts of all readers except `readers`. A removed reader must not be entered again. From
+  /// then on its counts are contained only in total().
   void keep(const std::set<std::uint64_t>& readers);
 
-  /// `to_come`: the tallies of the previous page may still increase until the next call of turn_to(). Then
-  /// the new page must not have any of these tallies.
+  /// What may happen to the tallies of the previous page. `to_come`: they may still increase until the next
+  /// call of turn_to(), and the new page must not contain any of them.
   enum class LateCounts : std::uint8_t { none, to_come };
 
-  /// Puts `page` in force for `origin`. Called by the publisher's thread. Allocates nothing.
+  /// Puts `page` into use for `origin`. Called by the publisher's thread. Allocates nothing.
   void turn_to(Origin origin, const Page& page, LateCounts late = LateCounts::none) noexcept;
 
   // The functions for any thread.
@@ -124,7 +124,7 @@ class DeliveryBook {
   struct Counts {  ///< The counts of one origin for one reader. The total is `before`, plus the growth of
                    ///< `meter`, plus the growth of `late`.
     DeliveryMeter::Reading before{};
-    DeliveryMeter::Reading at_first{};  ///< the reading of `meter` when the present page came into force
+    DeliveryMeter::Reading at_first{};  ///< the reading of `meter` when the present page was put into use
     DeliveryMeter meter{};
     DeliveryMeter::Reading at_last{};  ///< the reading of `late` that is already contained in `before`
     DeliveryMeter late{};              ///< the meter of the previous page, if its tallies may still grow

@@ -61,7 +61,7 @@ struct ReaderSpec {
   /// keeps a core busy.
   std::chrono::nanoseconds spin{0};
   /// The maximum size in bytes of the samples of one writer that are kept until they are taken; 0: no
-  /// limit. If more come, the oldest samples are dropped, but the newest sample is always kept. Shared
+  /// limit. If more arrive, the oldest samples are dropped, but the newest sample is always kept. Shared
   /// memory may round the number down to a power of two.
   std::uint64_t depth_bytes = 0;
 };

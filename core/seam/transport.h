@@ -60,7 +60,7 @@ class Transport {
   struct Counters {
     std::uint64_t malformed = 0;   ///< malformed contents
     std::uint64_t unknown = 0;     ///< datagrams of writers that no reader here is connected to
-    std::uint64_t incomplete = 0;  ///< samples of which a part never came
+    std::uint64_t incomplete = 0;  ///< samples of which a part never arrived
     std::uint64_t over_limit = 0;  ///< samples or datagrams that were dropped to stay within a limit
     /// Answers of readers that refer to datagrams which were never sent, or were sent to another address,
     /// and flow marks (reports of a writer about what it has sent) of writers that no reader here is

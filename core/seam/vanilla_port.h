@@ -15,9 +15,11 @@ namespace sft::core {
 /// A sample of an unmodified writer.
 struct VanillaArrival {
   EndpointId writer = 0;
-  std::uint64_t sequence = 0;        ///< by its writer; 0: unknown
-  std::int64_t source_stamp_ns = 0;  ///< by its writer; 0 or less: it has none, as DDS allows
-  SampleHandle sample{};  ///< whole, checked, and shared with other readers; empty: it cannot be read
+  std::uint64_t sequence = 0;  ///< the number that the writer has given to the sample; 0: unknown
+  /// The stamp of the writer; 0 or less: the sample has no stamp, which DDS allows
+  std::int64_t source_stamp_ns = 0;
+  /// Has all fields, was checked, and is shared with other readers; empty: the sample could not be read
+  SampleHandle sample{};
 };
 
 class VanillaPort {
@@ -29,7 +31,7 @@ class VanillaPort {
   /// Called by the publisher's thread.
   virtual void send(const SampleHandle& sample) noexcept = 0;
 
-  // Called by the agent.
+  // The following functions are called by the agent.
 
   /// Takes the samples that the publisher had retained when it began to send by this port. They are sent
   /// before the samples that are passed to send(). Some samples may be passed to both functions. Must be

@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "core/control/qos.h"
+#include "core/names/qos.h"
 #include "core/negotiation/requested_selection.h"
 #include "core/subscribe/requirements.h"
 

@@ -1,5 +1,7 @@
 #include "core/subscribe/intake.h"
 
+#include <algorithm>
+
 #include "core/seam/gate_table.h"
 
 namespace sft::core {
@@ -46,20 +48,26 @@ RateKeeper Intake::rate_keeper_of(Inlet inlet) const {
   return by_writer ? RateKeeper::writer : RateKeeper::reader;
 }
 
-std::optional<Intake::Inlet> Intake::oldest() const {
+/// Returns the inlet whose sample is to be delivered next: the oldest one, unless that of another writer has
+/// been passed over too often.
+std::optional<Intake::Inlet> Intake::first_in_turn() const {
   std::optional<Inlet> oldest;
   for (const Inlet inlet : {Inlet::memory, Inlet::network, Inlet::overtaken, Inlet::vanilla}) {
     if (!is_empty(inlet) && (!oldest || goes_first(*head(inlet), *head(*oldest)))) oldest = inlet;
   }
-  return oldest;
+  if (!oldest) return {};
+  const auto longest = std::ranges::max_element(passed_over_);
+  const auto other = static_cast<Inlet>(longest - passed_over_.begin());
+  const bool is_due = *longest >= passed_over_max && !is_empty(other);
+  return is_due && head(other)->writer != head(*oldest)->writer ? other : oldest;
 }
 
 bool Intake::follows(Inlet inlet) { return accounts_.follows(*head(inlet)); }
 
 Intake::Decision Intake::next(LazyRealtime& now) {
-  const std::optional<Inlet> oldest = this->oldest();
-  if (!oldest) return Decision::nothing;
-  chosen_ = *oldest;
+  const std::optional<Inlet> first = first_in_turn();
+  if (!first) return Decision::nothing;
+  chosen_ = *first;
   if (chosen_ == Inlet::vanilla || follows(chosen_)) return choose(chosen_, now);
   if (chosen_ == Inlet::network) return let_overtaken_go_first(now);
   if (!may_wait(now)) return choose(chosen_, now);
@@ -133,6 +141,7 @@ Intake::Decision Intake::choose(Inlet inlet, LazyRealtime& now) {
   is_new ? accounts_.enter(from, sample, keeper) : from.sequences.refuse(sample);
   if (expired) ++from.expired;
   head(inlet).reset();
+  passed_over_[static_cast<std::size_t>(inlet)] = 0;
   return Decision::dropped;
 }
 
@@ -154,7 +163,9 @@ Taken Intake::take() {
                         .lost_before = std::exchange(from.lost_untold, 0),
                         .transport = transport};
   if (!is_copied(transport)) ++from.received;
-  return {std::move(next), info};
+  Taken taken{std::move(next), info};
+  for (std::size_t i = 0; i < heads_.size(); ++i) passed_over_[i] = heads_[i] ? passed_over_[i] + 1 : 0;
+  return taken;
 }
 
 void Intake::copied(const SampleInfo& info, bool is_delivered) {

@@ -3,7 +3,8 @@
 // passed in, decisions are returned. Not thread-safe: the mutex of SubscriberPorts protects it.
 //
 // - The samples of one writer are delivered in the order of their sequences, whichever path they took. If
-//   samples are of different writers, the one with the older stamp is delivered first.
+//   samples are of different writers, the one with the older stamp is delivered first. But the clocks of
+//   writers may differ by any time, so a sample lets only a limited number of samples go first.
 // - Shared memory can be slower than UDP. Before a sample that came by UDP, earlier samples of its writer are
 //   delivered, even if they lie in shared memory behind samples of other writers.
 // - UDP can be slower than shared memory. Samples that shared memory cannot take are diverted to UDP. A
@@ -39,6 +40,11 @@ struct Taken {
 inline bool goes_first(const SampleOrigin& a, const SampleOrigin& b) {
   return a.writer == b.writer ? a.sequence < b.sequence : a.source_stamp_ns < b.source_stamp_ns;
 }
+
+/// The maximum number of samples of other writers that are delivered before a sample that has arrived,
+/// because their stamps are older. Without this limit, a writer whose clock is an hour ahead would not be
+/// heard for an hour beside one that always has a next sample.
+inline constexpr std::uint32_t passed_over_max = 16;
 
 class Intake {
  public:
@@ -113,7 +119,7 @@ class Intake {
   SampleHandle& head(Inlet inlet) { return heads_[static_cast<std::size_t>(inlet)]; }
   const SampleHandle& head(Inlet inlet) const { return heads_[static_cast<std::size_t>(inlet)]; }
   bool has_of(Inlet inlet, EndpointId writer) const;
-  std::optional<Inlet> oldest() const;
+  std::optional<Inlet> first_in_turn() const;
   bool follows(Inlet inlet);
   bool may_wait(LazyRealtime& now);
   Decision let_overtaken_go_first(LazyRealtime& now);
@@ -127,6 +133,8 @@ class Intake {
   bool copies_from_memory_ = false;
   bool copies_from_network_ = false;
   std::array<SampleHandle, 4> heads_;  ///< the sample in each Inlet
+  /// For each Inlet, the number of samples that were delivered from others while its sample waited.
+  std::array<std::uint32_t, 4> passed_over_{};
   WriterAccounts accounts_;
   Inlet chosen_{};  ///< the inlet of the sample to which the latest decision applies
   EndpointId asked_about_ = 0;

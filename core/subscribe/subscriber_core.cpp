@@ -37,27 +37,36 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
       remote_(spec_.copies == nullptr ? nullptr : RemoteCopy::make(type(), spec_.copies)),
       events_(spec_.options.on_event, spec_.event_callbacks),
       feeds_(make_feeds(spec_, recorder_.get())),
+      passed_over_(feeds_.size()),
       waiter_(ports_of(feeds_), bell, spec_.poll_handle.get(), spec_.options.spin, spec_.interrupted),
       callbacks_(spec_.callback, spec_.callback_clock) {}
 
 /// Returns the number of the selection with the sample that must be delivered first, of all samples that have
-/// arrived. If there is only one selection, the function returns 0 without a check for samples.
-std::optional<std::size_t> SubscriberCore::oldest() {
+/// arrived: the oldest one, unless that of another writer has been passed over too often. If there is only
+/// one selection, the function returns 0 without a check for samples.
+std::optional<std::size_t> SubscriberCore::first_in_turn() {
   if (feeds_.size() == 1) return 0;
-  std::optional<std::size_t> oldest;
+  std::optional<std::size_t> oldest, due;
   SampleOrigin first;
+  EndpointId writer_of_due = 0;
   for (std::size_t i = 0; i < feeds_.size(); ++i) {
     const std::optional<SampleOrigin> next = ports(i).next_origin();
+    if (next && passed_over_[i].fetch_add(1, std::memory_order_relaxed) >= passed_over_max) {
+      due = i;
+      writer_of_due = next->writer;
+    }
     if (!next || (oldest && !goes_first(*next, first))) continue;
     oldest = i;
     first = *next;
   }
+  if (due && writer_of_due != first.writer) oldest = due;
+  if (oldest) passed_over_[*oldest].store(0, std::memory_order_relaxed);
   return oldest;
 }
 
 detail::untyped::Sample SubscriberCore::take(Next (SubscriberPorts::*choose)()) {
   for (;;) {
-    const std::optional<std::size_t> selection = oldest();
+    const std::optional<std::size_t> selection = first_in_turn();
     Delivery next;
     if (selection) static_cast<Next&>(next) = (ports(*selection).*choose)();
     waiter_.taken();

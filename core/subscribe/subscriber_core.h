@@ -112,7 +112,7 @@ class SubscriberCore final : public ArrivalListener {
  private:
   using Next = SubscriberPorts::Next;
 
-  std::optional<std::size_t> oldest();
+  std::optional<std::size_t> first_in_turn();
   detail::untyped::Sample take(Next (SubscriberPorts::*choose)());
   /// A sample that is about to be delivered.
   struct Delivery : Next {
@@ -128,6 +128,8 @@ class SubscriberCore final : public ArrivalListener {
   const std::shared_ptr<RemoteCopy> remote_;  ///< null: no sample is reduced
   PostedCall<Event> events_;
   std::deque<Feed> feeds_;  ///< one feed for each selection, in the order of their numbers
+  /// For each selection, how often its sample was passed over (see passed_over_max).
+  std::vector<std::atomic<std::uint32_t>> passed_over_;
   Waiter waiter_;
   CallbackDispatch callbacks_;
 };

@@ -1,6 +1,7 @@
 #include "core/subscribe/vanilla_inlet.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "core/platform/clock.h"
@@ -109,10 +110,7 @@ bool VanillaInlet::passes(Writer& writer, SampleBuffer& sample, std::size_t slot
 void VanillaInlet::enqueue(Writer& writer, SampleHandle sample) {
   writer.bytes += sample->header().body_bytes;
   writer.waiting.push_back({std::move(sample), ++arrivals_});
-  const auto has_too_many = [&] {
-    return writer.waiting.size() > depth_ || (depth_bytes_ != 0 && writer.bytes > depth_bytes_);
-  };
-  while (writer.waiting.size() > 1 && has_too_many()) discard_oldest(writer);
+  while (are_too_many(writer.waiting.size(), writer.bytes)) discard_oldest(writer);
 }
 
 void VanillaInlet::discard_oldest(Writer& writer) {
@@ -164,10 +162,35 @@ VanillaInlet::Writer* VanillaInlet::writer_of(EndpointId id) {
 }
 
 void VanillaInlet::forget_others_than(std::span<const EndpointId> writers) {
+  const auto is_gone = [&](EndpointId id) { return std::ranges::find(writers, id) == writers.end(); };
   const Lock lock(mutex_);
-  std::erase_if(writers_, [&](const auto& item) {
-    return item.second.waiting.empty() && std::ranges::find(writers, item.first) == writers.end();
-  });
+  std::vector<Writer*> gone;
+  for (auto& [id, writer] : writers_) {
+    if (is_gone(id) && !writer.waiting.empty()) gone.push_back(&writer);
+  }
+  discard_surplus(gone);
+  std::erase_if(writers_,
+                [&](const auto& item) { return item.second.waiting.empty() && is_gone(item.first); });
+}
+
+void VanillaInlet::discard_surplus(std::span<Writer* const> gone) {
+  std::size_t samples = 0;
+  std::uint64_t bytes = 0;
+  for (const Writer* writer : gone) {
+    samples += writer->waiting.size();
+    bytes += writer->bytes;
+  }
+  const auto oldest = [](const Writer* writer) {
+    return writer->waiting.empty() ? std::numeric_limits<std::uint64_t>::max()
+                                   : writer->waiting.front().arrival;
+  };
+  for (; are_too_many(samples, bytes); --samples) {
+    Writer& writer = **std::ranges::min_element(gone, {}, oldest);
+    const std::uint64_t before = writer.bytes;
+    discard_oldest(writer);
+    bytes -= before - writer.bytes;
+    if (writer.waiting.empty() && !writer.was_taken) counters_.lost_unnoticed += writer.discarded;
+  }
 }
 
 std::uint64_t VanillaInlet::arrivals(EndpointId writer) const {

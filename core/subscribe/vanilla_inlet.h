@@ -41,7 +41,8 @@ class VanillaInlet {
   SampleHandle take();
   /// Sets which samples the selection asks for. Samples that have come already can be taken nevertheless.
   void ask(const Selection& selection, std::uint32_t min_period_us);
-  /// Forgets writers that have gone, once their samples were taken.
+  /// Forgets the other writers, which have gone, once their samples were taken. Of all of them together at
+  /// most as many samples and bytes wait as of one writer: the newest ones.
   void forget_others_than(std::span<const EndpointId> writers);
   /// Returns a number that changes whenever a sample of that writer arrives.
   std::uint64_t arrivals(EndpointId writer) const;
@@ -74,6 +75,10 @@ class VanillaInlet {
   static bool passes(Writer& writer, SampleBuffer& sample, std::size_t slots);
   void enqueue(Writer& writer, SampleHandle sample) SFT_REQUIRES(mutex_);
   void discard_oldest(Writer& writer) SFT_REQUIRES(mutex_);
+  void discard_surplus(std::span<Writer* const> gone) SFT_REQUIRES(mutex_);
+  bool are_too_many(std::size_t samples, std::uint64_t bytes) const {
+    return samples > 1 && (samples > depth_ || (depth_bytes_ != 0 && bytes > depth_bytes_));
+  }
 
   const TypeSupport& type_;
   const std::uint32_t depth_;

@@ -83,8 +83,9 @@ class CallGate {
     /// This thread waits, directly or indirectly, for the thread that is examining the list.
     bool depends = false;
 
-    static inline Mutex mutex;
-    static inline Condition changed;
+    /// These are never destroyed, since a callback may still wait when the program ends.
+    static inline Mutex& mutex = *new Mutex;
+    static inline Condition& changed = *new Condition;
     static inline Closing* first SFT_GUARDED_BY(mutex) = nullptr;
 
     static void notify_change() noexcept {

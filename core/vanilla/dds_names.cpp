@@ -1,6 +1,6 @@
 #include "core/vanilla/dds_names.h"
 
-#include "core/control/names.h"
+#include "core/names/names.h"
 
 namespace sft::core {
 

@@ -1,4 +1,4 @@
-// Policies as Cyclone DDS has them.
+// A handle that owns policies of Cyclone DDS.
 #pragma once
 
 #include <dds/dds.h>

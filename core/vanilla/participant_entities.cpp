@@ -47,7 +47,7 @@ class EntitiesWriter {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads until the bytes end or do not fit the message. After that all results are empty.
+/// Reads values until the bytes end or do not fit the message. After that all results are empty.
 class EntitiesReader {
  public:
   EntitiesReader(std::span<const std::byte> body, GuidBytes guid_bytes)

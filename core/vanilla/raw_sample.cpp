@@ -25,14 +25,14 @@ struct RawType : ddsi_sertype {
   RawReading reading{};
 };
 
-/// The encapsulation lies before the body in the memory of each sample.
+/// A sample as Cyclone DDS handles it. The encapsulation lies before the body in the memory of the sample.
 struct RawSample : ddsi_serdata {
   SampleHandle sample{};
-  std::uint64_t sequence = 0;  ///< of a received sample; 0: unknown
+  std::uint64_t sequence = 0;  ///< the number of a received sample; 0: unknown
   RawFault fault = RawFault::none;
-  const std::byte* bytes = nullptr;  ///< encapsulation and body
-  std::size_t size = 0;              ///< of both
-  std::size_t readable = 0;          ///< `size`, and what lies behind in the same memory
+  const std::byte* bytes = nullptr;  ///< the encapsulation and the body
+  std::size_t size = 0;              ///< the size of both in bytes
+  std::size_t readable = 0;          ///< `size`, plus the bytes after the body in the same memory
 };
 
 const RawSample& of(const ddsi_serdata* data) { return *static_cast<const RawSample*>(data); }
@@ -40,11 +40,11 @@ const RawSample& of(const ddsi_serdata* data) { return *static_cast<const RawSam
 RawSample* make(const ddsi_sertype* type, ddsi_serdata_kind kind) {
   auto* const data = new RawSample{};
   ddsi_serdata_init(data, type, kind);
-  data->hash = type->serdata_basehash;  // equal for all: there is one instance
+  data->hash = type->serdata_basehash;  // all hashes are equal, because the topic has only one instance
   return data;
 }
 
-/// Cyclone asks for sizes that are multiples of 4; what is behind the end is 0.
+/// Copies bytes of a sample. Cyclone requests sizes that are multiples of 4; bytes after the end are 0.
 void copy_out(const ddsi_serdata* data, std::size_t offset, std::size_t bytes, void* to) {
   const RawSample& sample = of(data);
   const std::size_t there = offset < sample.size ? std::min(bytes, sample.size - offset) : 0;
@@ -52,7 +52,8 @@ void copy_out(const ddsi_serdata* data, std::size_t offset, std::size_t bytes, v
   std::memset(static_cast<std::byte*>(to) + there, 0, bytes - there);
 }
 
-/// Only the last piece is copied, if its padding would lie outside of the memory.
+/// Makes `piece` refer to the bytes of the sample. The bytes are copied only if the padding of the last
+/// piece would lie outside of the sample's memory.
 ddsi_serdata* refer_to(const ddsi_serdata* data, std::size_t offset, std::size_t bytes,
                        ddsrt_iovec_t* piece) {
   const RawSample& sample = of(data);
@@ -87,7 +88,8 @@ void refer_to_bytes(RawSample& data, std::size_t slots) {
   data.readable = static_cast<std::size_t>(data.sample->data + data.sample->capacity - data.bytes);
 }
 
-/// Calls `use` for the bytes of each fragment in order, without those that an earlier fragment had, too.
+/// Calls `use` for the bytes of each fragment in order, without bytes that an earlier fragment contained,
+/// too.
 template <class Use>
 void for_each_piece(const nn_rdata* fragments, Use use) {
   std::size_t done = 0;
@@ -99,7 +101,8 @@ void for_each_piece(const nn_rdata* fragments, Use use) {
   }
 }
 
-/// Cyclone has brought the message into the byte order of this host.
+/// Returns the sequence number of the message, which Cyclone has already converted to the byte order of
+/// this host.
 std::uint64_t sequence_of(const nn_rdata& first) {
   if (NN_RDATA_SUBMSG_OFF(&first) == 0) return 0;
   const unsigned char* const message = NN_RMSG_PAYLOADOFF(first.rmsg, NN_RDATA_SUBMSG_OFF(&first));
@@ -110,7 +113,8 @@ std::uint64_t sequence_of(const nn_rdata& first) {
 
 using Encapsulation = std::array<unsigned char, detail::encapsulation_bytes>;
 
-/// The second octet of the encapsulation of XCDR1 is 0 or 1. The padding in the fourth one is not needed.
+/// Returns true if the encoding is XCDR1: the second byte of the encapsulation is 0 or 1. The number of
+/// padding bytes, in the fourth byte, is not needed.
 bool is_xcdr1(const Encapsulation& head) { return head[0] == 0 && head[1] <= 1; }
 bool is_big_endian(const Encapsulation& head) { return head[1] == 0; }
 
@@ -122,7 +126,7 @@ std::byte* body_of(const SampleHandle& sample, const RawReading& reading) {
   return sample->data + detail::SampleLayout(slots_of(reading)).body_offset;
 }
 
-/// Makes the sample whose body is copied afterwards.
+/// Makes a sample for a body of this size. The caller copies the body into it.
 SampleHandle room_for(std::size_t body_bytes, const RawReading& reading) {
   const std::size_t slots = slots_of(reading);
   const detail::SampleLayout layout(slots);
@@ -141,7 +145,8 @@ SampleHandle room_for(std::size_t body_bytes, const RawReading& reading) {
   return sample;
 }
 
-/// Replaces the sample, whose body is big-endian, by one with the same values. This needs the type.
+/// Replaces the sample, whose body is big-endian, by a little-endian sample with the same values. This is
+/// possible only if the type is known.
 RawFault swap_bytes(SampleHandle& sample, const RawReading& reading) {
   if (reading.type == nullptr) return RawFault::other_encoding;
   const StructType& type = reading.type->type();
@@ -156,7 +161,7 @@ RawFault swap_bytes(SampleHandle& sample, const RawReading& reading) {
   return status == detail::WalkStatus::ok ? RawFault::none : RawFault::malformed;
 }
 
-/// Checks the body, and makes its index. The padding behind the last member is cut off.
+/// Checks the body, and makes its index. Padding after the last member is cut off.
 bool check_and_index(SampleBuffer& sample, const TypeSupport& type) {
   std::uint32_t body_end = 0;
   const detail::WalkStatus status = detail::build_index(state_of(sample, type.index_slots()), type.type(),
@@ -186,7 +191,8 @@ RawFault read(RawSample& data, const RawReading& reading, const nn_rdata* fragme
   return RawFault::none;
 }
 
-/// Samples with faults are handed on, so that the reader can count them.
+/// Makes the sample from received fragments. Samples with faults are delivered, too, so that the reader can
+/// count them.
 ddsi_serdata* receive(const ddsi_sertype* type, ddsi_serdata_kind kind, const nn_rdata* fragments,
                       std::size_t size) try {
   const RawReading& reading = static_cast<const RawType*>(type)->reading;
@@ -228,7 +234,8 @@ const ddsi_serdata_ops sample_operations = [] {
   return to;
 }();
 
-/// Types with one name are equal if their samples are read in the same way. No type has a description here.
+/// Returns true if two types with one name are equal, which is so if their samples are read in the same
+/// way. Types have no description here.
 bool reads_alike(const ddsi_sertype* a, const ddsi_sertype* b) {
   const RawReading& one = static_cast<const RawType*>(a)->reading;
   const RawReading& other = static_cast<const RawType*>(b)->reading;

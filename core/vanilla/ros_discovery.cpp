@@ -23,7 +23,7 @@ std::vector<std::string> split(std::string_view hosts) {
 
 }  // namespace
 
-/// ROS_LOCALHOST_ONLY is older, and still has effect where it is 1.
+/// ROS_LOCALHOST_ONLY is the older variable, and still has an effect if it is 1.
 Result<RosDiscovery> ros_discovery(const char* localhost_only, const char* discovery_range,
                                    const char* static_peers) {
   RosDiscovery discovery;

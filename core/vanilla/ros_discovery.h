@@ -1,6 +1,6 @@
-// The range in which nodes of ROS 2 look for each other, as its environment variables say. SFT's own
-// discovery has settings of its own; the participant for unmodified nodes has to find those that ROS 2 would
-// find. Pure.
+// The range in which nodes of ROS 2 search for each other, according to the environment variables of ROS 2.
+// SFT's own discovery has separate settings, but the participant for unmodified nodes must find the nodes
+// that a node of ROS 2 would find. Pure functions.
 #pragma once
 
 #include <string>
@@ -11,14 +11,15 @@
 namespace sft::core {
 
 struct RosDiscovery {
-  bool is_off = false;               ///< no other node is to be found
-  bool loopback_only = false;        ///< by the interface of the loopback, as nodes of Humble
-  bool localhost_only = false;       ///< by asking this host, as nodes of Iron and later
-  std::vector<std::string> peers{};  ///< hosts that are asked as well
+  bool is_off = false;         ///< true: no other node must be found
+  bool loopback_only = false;  ///< true: only the interface of the loopback is used, as by nodes of Humble
+  /// True: only this host is searched, by unicast, as by nodes of Iron and later
+  bool localhost_only = false;
+  std::vector<std::string> peers{};  ///< hosts that are searched in addition
 };
 
-/// Returns what these values of environment variables say; each may be null. The error names the possible
-/// values.
+/// Returns the settings in the values of these environment variables, each of which may be null. The error
+/// names the possible values.
 Result<RosDiscovery> ros_discovery(const char* localhost_only,   // ROS_LOCALHOST_ONLY
                                    const char* discovery_range,  // ROS_AUTOMATIC_DISCOVERY_RANGE
                                    const char* static_peers);    // ROS_STATIC_PEERS

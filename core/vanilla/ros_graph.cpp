@@ -13,14 +13,14 @@ namespace {
 
 constexpr const char* graph_topic = "ros_discovery_info";
 constexpr const char* graph_type = "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_";
-/// The hash is the published one of this type as of Iron. Earlier distributions have no hashes.
+/// The published hash of this type as of Iron. Earlier distributions have no hashes.
 constexpr const char* graph_user_data =
     "typehash=RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e;";
-/// The memory for messages that are being read, and for the last one that was written. A message that needs
-/// more is not read.
+/// The memory for messages that are being read, and for the last message that was written. A message that
+/// needs more memory is not read.
 constexpr std::size_t message_bytes_max = 1 << 20;
 
-/// The topic, its type and its QoS are those of rmw_dds_common.
+/// Returns the QoS that rmw_dds_common uses for the topic.
 DdsQos qos_of_graph() {
   DdsQos qos(dds_create_qos());
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
@@ -48,11 +48,12 @@ RosGraph::RosGraph(dds_entity_t participant, std::optional<GuidBytes> expected)
                                     static_cast<RosGraph*>(self)->forget(status.last_publication_handle);
                                 });
   const DdsQos qos = qos_of_graph();
-  // There is one instance for all writers. Each message is taken at once.
+  // All writers share one instance of the topic. Each message is taken at once.
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, 0);
   reader_ = dds_create_reader(participant, topic_.entity, qos.get(), listener);
   dds_delete_listener(listener);
-  if (reader_ > 0) take(reader_);  // what came before Cyclone could be asked about its writers
+  // Takes messages that arrived before Cyclone could be asked about their writers
+  if (reader_ > 0) take(reader_);
 }
 
 RosGraph::~RosGraph() {
@@ -81,8 +82,8 @@ std::optional<GuidBytes> RosGraph::guid_bytes() const {
   return later ? GuidBytes::as_of_iron : GuidBytes::before_iron;
 }
 
-/// Writes the nodes of this process if they or the size have changed. The last message is there for nodes
-/// that come later, so the writer is closed if the size is not known any more.
+/// Writes the nodes of this process if the nodes or the size of GUIDs have changed. The writer retains the
+/// last message for nodes that join later. So the writer is closed if the size is not known any more.
 void RosGraph::write() {
   const Lock writing(writing_);
   ParticipantEntities entities{.participant = guid_of(participant_)};
@@ -103,7 +104,7 @@ void RosGraph::write() {
     written_ = std::move(body);
 }
 
-/// Returns false if there is no writer, which the next call tries again.
+/// Returns false if the writer could not be opened. The next call tries again.
 bool RosGraph::open_writer() {
   if (writer_ > 0) return true;
   const DdsQos qos = qos_of_graph();
@@ -133,8 +134,8 @@ void RosGraph::take(dds_entity_t reader) {
   if (is_news) notify();
 }
 
-/// Returns true if something has changed. Messages of other processes of SFT do not count: they follow those
-/// of ROS 2, and two of them would keep each other's size for ever.
+/// Returns true if the known nodes have changed. Messages of other processes of SFT are ignored: their size
+/// depends on the messages of ROS 2, so two processes of SFT would keep each other's size for ever.
 bool RosGraph::note(dds_entity_t reader, dds_instance_handle_t writer, const ddsi_serdata* data) {
   const RawArrival arrival = raw_arrival(data);
   if (!arrival.sample) return false;

@@ -1,8 +1,9 @@
-// The nodes of this process in the graph of ROS 2, as `ros2 node list` and `ros2 topic info` show it, and the
-// names of the other nodes there. All of them are told on the topic "ros_discovery_info", in messages of two
-// sizes (participant_entities.h). A message of the wrong size can end the nodes that read it, so nothing is
-// written before the size is known: it is that of the messages that have come, or else that of the
-// distribution that the environment names. While messages of both sizes come, nothing is written.
+// The nodes of this process in the graph of ROS 2, which `ros2 node list` and `ros2 topic info` show, and
+// the names of the other nodes in the graph. Processes announce their nodes on the topic
+// "ros_discovery_info", in messages with GUIDs of one of two sizes (participant_entities.h). A message of
+// the wrong size can end the nodes that read it. So nothing is written before the size is known: the size
+// of the received messages, or, if there are none, the size for the distribution that the environment
+// names. While messages of both sizes arrive, nothing is written.
 #pragma once
 
 #include <dds/dds.h>
@@ -24,40 +25,42 @@ namespace sft::core {
 
 class RosGraph {
  public:
-  /// `expected`: the size for the distribution of ROS 2 that the environment names.
+  /// `expected` is the size for the distribution of ROS 2 that the environment names.
   RosGraph(dds_entity_t participant, std::optional<GuidBytes> expected);
   /// Waits until no listener runs any more. Must be called before the participant is deleted.
   ~RosGraph();
   RosGraph(const RosGraph&) = delete;
   RosGraph& operator=(const RosGraph&) = delete;
 
-  /// Returns the name of the ROS 2 node, as "/left/camera", that has this reader or writer. The result is
-  /// empty if it is unknown. Any thread.
+  /// Returns the name of the ROS 2 node to which this reader or writer belongs, such as "/left/camera". The
+  /// result is empty if the node is unknown. Any thread may call this.
   std::string node_of(const Guid& endpoint) const;
-  /// Returns true if messages of both sizes have come from nodes that are there. Any thread.
+  /// Returns true if present nodes have sent messages of both sizes. Any thread may call this.
   bool is_divided() const;
 
-  /// A node of this process, which is in the graph from show() on. Used by one thread at a time.
+  /// A node of this process. It is in the graph after the first call of show(). It must be used by only one
+  /// thread at a time.
   class LocalNode {
    public:
-    /// `changed` is called by threads of Cyclone when names or the size have become other ones. It must
-    /// return at once.
+    /// `changed` is called by threads of Cyclone when names of nodes or the size of GUIDs have changed. It
+    /// must return at once.
     LocalNode(RosGraph& graph, std::function<void()> changed);
     ~LocalNode();
     LocalNode(const LocalNode&) = delete;
     LocalNode& operator=(const LocalNode&) = delete;
 
-    /// Tells the others what the node is and has. Must be called after `changed`, too.
+    /// Announces the node, with its readers and writers, to other processes. Must also be called after
+    /// `changed` was called.
     void show(ParticipantEntities::Node node);
-    /// Returns true if `changed` was called since the last call.
+    /// Returns true if `changed` was called since the last call of this function.
     bool take_news();
 
    private:
     friend class RosGraph;
     RosGraph& graph_;
     const std::function<void()> changed_;
-    // Guarded by the mutex of the graph:
-    ParticipantEntities::Node shown_;  ///< without a name: not shown yet
+    // The following members are guarded by the mutex of the graph.
+    ParticipantEntities::Node shown_;  ///< has no name until show() is called
     bool has_news_ = false;
   };
 
@@ -76,7 +79,8 @@ class RosGraph {
   const RawReading reading_;
   const RawTopic topic_;
   dds_entity_t reader_ = 0;
-  Mutex writing_ SFT_ACQUIRED_BEFORE(mutex_);  ///< keeps the order of messages while two nodes write
+  /// Keeps the order of messages if two nodes write at the same time
+  Mutex writing_ SFT_ACQUIRED_BEFORE(mutex_);
   dds_entity_t writer_ SFT_GUARDED_BY(writing_) = 0;
   std::vector<std::byte> written_ SFT_GUARDED_BY(writing_);  ///< the last message
   mutable Mutex mutex_;

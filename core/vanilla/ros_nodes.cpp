@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/control/names.h"
+#include "core/names/names.h"
 
 namespace sft::core {
 

@@ -15,7 +15,7 @@ namespace {
 
 using Member = StructType::Member;
 
-// Numbers of type_description_interfaces/msg/FieldType.
+// Numbers from type_description_interfaces/msg/FieldType.
 constexpr int array_offset = 48, bounded_sequence_offset = 96, sequence_offset = 144;
 
 int number_of(const Member& member) {
@@ -71,10 +71,10 @@ std::string text_of(const Member& member) {
          R"("}})";
 }
 
-/// Writes the descriptions of types that are nested in others once each, in the order of their names.
+/// Writes the descriptions of nested types in the order of their names, each description once.
 class Descriptions {
  public:
-  /// Returns false if ROS 2 has no such type.
+  /// Adds the types that are nested in `type`. Returns false if ROS 2 has no such type.
   bool add_nested_in(const StructType& type) {
     for (const Member& member : type.members) {
       if (member.enumeration != nullptr || member.key) return false;
@@ -102,7 +102,7 @@ class Descriptions {
   std::map<std::string, std::string> texts_;
 };
 
-/// Hexadecimal digits.
+/// Returns the hash in hexadecimal digits.
 std::string sha256_of(std::string_view text) {
   std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};
   SHA256(reinterpret_cast<const unsigned char*>(text.data()), text.size(), digest.data());

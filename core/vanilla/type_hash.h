@@ -1,5 +1,5 @@
-// The hash by which nodes of ROS 2 (Iron and later) compare the definitions of a message type (REP 2016).
-// Pure.
+// The hash by which nodes of ROS 2 (Iron and later) compare the definitions of a message type (REP 2016). A
+// pure function.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,8 @@
 
 namespace sft::core {
 
-/// "RIHS01_" and 64 hexadecimal digits. Nothing if ROS 2 has no such types: enumerations, bitmasks and keys.
-/// The hash is that of ROS 2 for types that .msg files define.
+/// Returns "RIHS01_" and 64 hexadecimal digits: the hash that ROS 2 computes for a type in a .msg file.
+/// Returns nothing if the type has enumerations, bitmasks or keys, which ROS 2 does not have.
 std::optional<std::string> ros_type_hash(const StructType& type);
 
 }  // namespace sft::core

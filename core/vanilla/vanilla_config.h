@@ -1,6 +1,6 @@
-// The configuration of Cyclone DDS for the participant that serves and hears DDS nodes which know nothing of
-// SFT. It is that of a ROS 2 node in the same environment: interfaces, peers and all other settings are those
-// of the user.
+// The configuration of Cyclone DDS for the participant that exchanges samples with DDS nodes which know
+// nothing of SFT. It is the configuration that a ROS 2 node would have in the same environment: interfaces,
+// peers and all other settings are those of the user.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace sft::core {
 
 struct VanillaConfig {
   std::string text;         ///< the argument of dds_create_domain
-  bool is_secured = false;  ///< the user's configuration has DDS Security
+  bool is_secured = false;  ///< true: the user's configuration contains DDS Security
 };
 
 /// The error says what is wrong with the user's configuration.

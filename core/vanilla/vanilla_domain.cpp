@@ -20,7 +20,7 @@ namespace sft::core {
 
 namespace {
 
-/// The domains of this process, as long as any node uses them.
+/// The domains of this process that some node uses.
 struct OpenVanillaDomains {
   Mutex mutex;
   std::map<std::pair<std::string, ThreadSettings>, std::weak_ptr<VanillaDomain>> by_config
@@ -28,7 +28,7 @@ struct OpenVanillaDomains {
 };
 OpenVanillaDomains open_vanilla_domains;
 
-/// rmw_cyclonedds takes a participant for one of ROS 2 by the key "enclave".
+/// Makes the participant. rmw_cyclonedds recognises participants of ROS 2 by the key "enclave".
 dds_entity_t create_participant(std::uint32_t domain) {
   const std::string user_data = "enclave=/;" + std::string(vanilla_mark);
   const DdsQos qos(dds_create_qos());
@@ -38,7 +38,7 @@ dds_entity_t create_participant(std::uint32_t domain) {
 
 constexpr std::uint32_t participants_asked = 1024;
 
-/// Cyclone's participants announce these properties.
+/// Returns the value of a property that Cyclone's participants announce.
 std::string property_of(const dds_qos_t* qos, const char* name) {
   char* value = nullptr;
   if (!dds_qget_prop(qos, name, &value) || value == nullptr) return {};
@@ -47,7 +47,8 @@ std::string property_of(const dds_qos_t* qos, const char* name) {
   return text;
 }
 
-/// ROS 2's client library, with whatever middleware, and Fast DDS of both names that it has had.
+/// The client library of ROS 2, which is the same for every middleware, and the two names that the library
+/// of Fast DDS has had.
 constexpr std::array<std::string_view, 3> dds_libraries{"/librcl.so", "/libfastrtps.so", "/libfastdds.so"};
 
 int note_dds_library(dl_phdr_info* library, std::size_t, void* found) {

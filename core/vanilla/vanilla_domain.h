@@ -1,6 +1,6 @@
-// The participant of this process in a DDS domain as unmodified nodes of DDS and ROS 2 use it. The links of
-// discovery cannot carry samples: each is bound to one interface, and to settings of SFT. This participant
-// has the settings that a ROS 2 node would have in the same environment.
+// The participant of this process in the DDS domain of unmodified nodes of DDS and ROS 2. The links of
+// discovery cannot be used for samples, because each link is bound to one interface and has settings of
+// SFT. This participant has the settings that a ROS 2 node would have in the same environment.
 #pragma once
 
 #include <dds/dds.h>
@@ -25,28 +25,30 @@ class CycloneDomain;
 struct VanillaPlan {
   std::uint32_t domain = 0;
   std::string user_config{};  ///< XML texts or names of files
-  RosDiscovery ros{};         ///< what the environment says; `user_config` overrides it
+  RosDiscovery ros{};         ///< the settings in the environment; `user_config` overrides them
   DdsNames names{};           ///< the names of topics and types
-  ThreadSettings threads{};   ///< of Cyclone's threads
-  /// The size of GUIDs in the graph of ROS 2, if the environment says it.
+  ThreadSettings threads{};   ///< the settings of Cyclone's threads
+  /// The size of GUIDs in the graph of ROS 2, if the environment names a distribution.
   std::optional<GuidBytes> guid_bytes{};
 };
 
 /// A participant that is not one of SFT.
 struct VanillaParticipant {
-  std::string name;       ///< as name_of_participant() says
-  std::string host{};     ///< what it says of itself; empty: nothing
-  std::string process{};  ///< the same: "talker (4711)"
+  std::string name;    ///< the result of name_of_participant()
+  std::string host{};  ///< the host that the participant announces; may be empty
+  /// The process that the participant announces, such as "talker (4711)"; may be empty
+  std::string process{};
 };
 
 class VanillaDomain {
  public:
-  /// Returns the participant that nodes of this process with an equal plan share, or makes a new one.
+  /// Returns the participant that the nodes of this process with an equal plan share. Makes it if there is
+  /// none.
   static Result<std::shared_ptr<VanillaDomain>> of(const VanillaPlan& plan);
 
   VanillaDomain(std::shared_ptr<const CycloneDomain> domain, dds_entity_t participant,
                 std::optional<GuidBytes> guid_bytes = {});
-  /// All its endpoints must have been deleted before. Waits for threads of Cyclone.
+  /// Waits for threads of Cyclone. All endpoints of the participant must have been deleted before.
   ~VanillaDomain();
   VanillaDomain(const VanillaDomain&) = delete;
   VanillaDomain& operator=(const VanillaDomain&) = delete;
@@ -55,7 +57,7 @@ class VanillaDomain {
   /// The unmodified readers that the participant has discovered.
   VanillaEndpoints& readers() { return *readers_; }
   const VanillaEndpoints& readers() const { return *readers_; }
-  /// The nodes of this process and of ROS 2. Its LocalNodes must not outlive the domain.
+  /// The nodes of this process and of ROS 2. Objects of LocalNode must not outlive the domain.
   RosGraph& graph() { return *graph_; }
   /// Returns the other participants of the domain, at most 1024.
   std::vector<VanillaParticipant> participants() const;
@@ -63,7 +65,7 @@ class VanillaDomain {
  private:
   const std::shared_ptr<const CycloneDomain> domain_;
   const dds_entity_t participant_;
-  const dds_entity_t announced_;  ///< the reader of what participants announce
+  const dds_entity_t announced_;  ///< a reader of the announcements of participants
   std::optional<VanillaEndpoints> readers_;
   std::optional<RosGraph> graph_;
 };

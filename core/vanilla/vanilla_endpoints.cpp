@@ -12,7 +12,7 @@ namespace sft::core {
 
 namespace {
 
-// The last octet of the key of a writer and of a reader whose type has keys (RTPS 2.3, 9.3.1.2).
+// The last byte of the GUIDs of writers and readers whose types have keys (RTPS 2.3, 9.3.1.2).
 constexpr unsigned char keyed_writer = 0x02, keyed_reader = 0x07;
 
 std::string user_data_in(const dds_qos_t* qos) {
@@ -58,7 +58,8 @@ std::vector<std::string> partitions_in(const dds_qos_t* qos) {
   return partitions;
 }
 
-/// An endpoint that names no representation has XCDR1. A writer sends the first one that it names.
+/// Returns true if the endpoint uses XCDR1. An endpoint that names no representation uses XCDR1. A writer
+/// uses the first representation that it names.
 bool has_xcdr1(const dds_qos_t* qos, bool is_writer) {
   std::uint32_t count = 0;
   dds_data_representation_id_t* values = nullptr;
@@ -70,7 +71,8 @@ bool has_xcdr1(const dds_qos_t* qos, bool is_writer) {
   return has;
 }
 
-/// Returns the hash that an endpoint announces; empty if it is no word. It is shown to users.
+/// Returns the hash that an endpoint announces. The result is empty if the hash is not a single word,
+/// because it is shown to users.
 std::string type_hash_of(const dds_qos_t* qos) {
   const std::string user_data = user_data_in(qos);
   const std::string_view hash = type_hash_in(user_data);
@@ -127,7 +129,7 @@ VanillaEndpoint described(const dds_builtintopic_endpoint_t& endpoint) {
 
 bool is_endpoint_of_sft(const dds_qos_t* qos) { return qos != nullptr && is_of_sft(user_data_in(qos)); }
 
-/// Endpoints may have been discovered before.
+/// Also takes the endpoints that were discovered before.
 VanillaEndpoints::VanillaEndpoints(dds_entity_t participant, dds_entity_t builtin_topic,
                                    std::function<void()> changed, std::size_t at_most)
     : participant_(participant),
@@ -152,8 +154,8 @@ VanillaEndpoints::~VanillaEndpoints() {
   if (reader_ > 0) dds_delete(reader_);
 }
 
-/// A new reader gets all endpoints that are there. The former one is deleted afterwards, so that nothing that
-/// goes meanwhile is missed.
+/// Opens a new reader, which gets all present endpoints. The former reader is deleted afterwards, so that
+/// no departure is missed meanwhile.
 void VanillaEndpoints::look_again(Time now) {
   {
     const Lock lock(mutex_);

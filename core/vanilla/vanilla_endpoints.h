@@ -1,6 +1,7 @@
-// The readers, or the writers, of unmodified nodes that a participant has discovered. They are kept so that
-// the log can say why one of them is not served or heard: DDS itself reports nothing if the names of types
-// differ, and little if policies do. Writers are also the reason why subscribers have DDS readers.
+// The readers, or the writers, of unmodified nodes that a participant has discovered. With them the log can
+// name the reason why samples are not exchanged with one of these endpoints: DDS itself reports nothing if
+// the names of types differ, and little if policies differ. Subscribers also have DDS readers only if there
+// are such writers.
 #pragma once
 
 #include <dds/dds.h>
@@ -36,12 +37,13 @@ bool is_endpoint_of_sft(const dds_qos_t* qos);
 class VanillaEndpoints {
  public:
   static constexpr std::size_t known_max = 4096;
-  /// The least time between two looks for endpoints that were ignored.
+  /// The minimum time between two searches for endpoints that were ignored.
   static constexpr std::chrono::seconds looks_apart{5};
 
-  /// `builtin_topic`: DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION for readers, or DDS_BUILTIN_TOPIC_DCPSPUBLICATION
-  /// for writers. `changed`, if given, is called by threads of Cyclone when changes() has changed; it must
-  /// return at once. While `at_most` endpoints are known, further ones are ignored.
+  /// `builtin_topic` is DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION for readers, and
+  /// DDS_BUILTIN_TOPIC_DCPSPUBLICATION for writers. `changed` may be empty. It is called by threads of
+  /// Cyclone when changes() has changed, and must return at once. While `at_most` endpoints are known,
+  /// further endpoints are ignored.
   VanillaEndpoints(dds_entity_t participant, dds_entity_t builtin_topic, std::function<void()> changed = {},
                    std::size_t at_most = known_max);
   /// Waits until no listener runs any more. Must be called before the participant is deleted.
@@ -49,21 +51,24 @@ class VanillaEndpoints {
   VanillaEndpoints(const VanillaEndpoints&) = delete;
   VanillaEndpoints& operator=(const VanillaEndpoints&) = delete;
 
-  /// Returns a number that changes whenever an endpoint comes or goes. Any thread.
+  /// Returns a number that changes whenever an endpoint appears or departs. Any thread may call this.
   std::uint64_t changes() const { return changes_.load(std::memory_order_relaxed); }
-  /// Returns the endpoints of that DDS topic. Any thread.
+  /// Returns the endpoints of this DDS topic. Any thread may call this.
   std::vector<VanillaEndpoint> of(std::string_view topic) const;
   struct OfTopic {
-    std::string topic;  ///< its name in DDS
+    std::string topic;  ///< the name of the topic in DDS
     VanillaEndpoint endpoint;
   };
-  /// Returns all endpoints. Any thread.
+  /// Returns all endpoints. Any thread may call this.
   std::vector<OfTopic> all() const;
-  /// Returns the ids of the publishers or subscribers of SFT that have such an endpoint. Any thread.
+  /// Returns the ids of the publishers or subscribers of SFT that have a DDS endpoint. Any thread may call
+  /// this.
   std::set<EndpointId> of_sft() const;
-  /// Returns those of them that say that some reader does not acknowledge what it is sent. Any thread.
+  /// Returns the ids of those publishers in of_sft() which announce that a reader does not acknowledge
+  /// samples. Any thread may call this.
   std::set<EndpointId> unanswered() const;
-  /// Looks for the endpoints that were ignored if others have gone since then. Called by agents.
+  /// Searches for endpoints that were ignored, if other endpoints have departed since then. Called by
+  /// agents.
   void look_again(Time now);
 
  private:
@@ -76,7 +81,7 @@ class VanillaEndpoints {
   const dds_entity_t participant_, builtin_topic_;
   const std::function<void()> changed_;
   const std::size_t at_most_;
-  dds_entity_t reader_ = 0;  ///< used by one thread at a time: see `next_look_`
+  dds_entity_t reader_ = 0;  ///< used by one thread at a time (see `next_look_`)
   std::atomic<std::uint64_t> changes_{0};
   mutable Mutex mutex_;
   std::map<Key, OfTopic> known_ SFT_GUARDED_BY(mutex_);
@@ -86,7 +91,8 @@ class VanillaEndpoints {
   };
   std::map<Key, OfSft> of_sft_ SFT_GUARDED_BY(mutex_);
   bool has_ignored_ SFT_GUARDED_BY(mutex_) = false;
-  Time next_look_ SFT_GUARDED_BY(mutex_){};  ///< Time::max(): a thread looks
+  /// The time of the next search; Time::max(): a thread is searching
+  Time next_look_ SFT_GUARDED_BY(mutex_){};
 };
 
 }  // namespace sft::core

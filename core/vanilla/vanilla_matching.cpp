@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <charconv>
 
-#include "core/control/qos.h"
 #include "core/discovery/participant_data.h"
+#include "core/names/qos.h"
 #include "core/platform/quotes.h"
 
 namespace sft::core {
@@ -15,7 +15,7 @@ constexpr std::string_view type_hash_key = "typehash=";
 constexpr std::string_view id_key = "sft_id=";
 constexpr std::string_view unanswered_key = "sft_unanswered=";
 
-/// User data are pairs of the form "key=value;". Returns the value of that key, which ends with "=".
+/// Returns the value of this key in user data, which consist of pairs "key=value;". `key` ends with "=".
 std::string_view value_in(std::string_view user_data, std::string_view key) {
   for (std::size_t at = 0; at < user_data.size();) {
     const std::string_view pair = user_data.substr(at, user_data.find(';', at) - at);
@@ -29,12 +29,12 @@ void add(std::string& reasons, const std::string& reason) {
   if (!reason.empty()) reasons += (reasons.empty() ? "" : "; ") + reason;
 }
 
-/// A pattern of partitions can match the default one only if it is made of stars.
+/// Returns true if the pattern matches the default partition, which is so only if it consists of asterisks.
 bool is_default_partition(const std::string& name) {
   return std::ranges::all_of(name, [](char letter) { return letter == '*'; });
 }
 
-/// `ours`: "publisher" or "subscriber".
+/// `ours` is "publisher" or "subscriber".
 void add_of_type(std::string& reasons, std::string_view type_name, const std::string& ours,
                  const VanillaEndpoint& theirs) {
   if (theirs.type_name != type_name) {

@@ -24,7 +24,7 @@ void VanillaOutlet::close() {
   if (thread_.joinable()) thread_.join();
   retained_.clear();
   for (;;) {
-    SampleHandle gone;  // given back without the lock
+    SampleHandle gone;  // destroyed after the lock is released
     const Lock lock(mutex_);
     if (count_ == 0) break;
     gone = take_oldest();
@@ -32,7 +32,7 @@ void VanillaOutlet::close() {
   write_ = {};
 }
 
-/// The handles of those that are left out are dropped without the lock.
+/// The handles of dropped samples are released without the lock.
 void VanillaOutlet::send(const SampleHandle& sample) noexcept {
   for (;;) {
     SampleHandle oldest;
@@ -43,7 +43,8 @@ void VanillaOutlet::send(const SampleHandle& sample) noexcept {
   arrived_.notify_one();
 }
 
-/// Returns false if `oldest` had to make room first.
+/// Returns false if the sample did not fit. Then the oldest sample was removed and is in `oldest`, and the
+/// caller has to try again.
 bool VanillaOutlet::put(const SampleHandle& sample, SampleHandle& oldest) noexcept {
   const bool is_full = count_ == waiting_.size();
   const bool is_too_much =
@@ -71,9 +72,10 @@ bool VanillaOutlet::is_closed() {
   return closed_;
 }
 
-/// A sample may be both retained and waiting.
+/// Writes the retained samples, and then the waiting samples. A sample that is both retained and waiting is
+/// written once.
 void VanillaOutlet::run() {
-  std::uint64_t written = 0;  // up to this sequence
+  std::uint64_t written = 0;  // the greatest sequence that was written
   const auto write = [&](const SampleHandle& sample) {
     if (sample->sequence <= written) return;
     written = sample->sequence;

@@ -1,6 +1,6 @@
-// Hands the samples of one publisher to its DDS writer, on a thread of its own. So a slow DDS reader or a
-// slow network costs the publisher no time. A few small samples may wait, or one large sample. If more
-// samples come, the oldest waiting ones are dropped, so that the number of samples in use is bounded.
+// Passes the samples of one publisher to its DDS writer, on a separate thread. So a slow DDS reader or a
+// slow network does not delay the publisher. A few small samples may wait, or one large sample. If more
+// samples arrive, the oldest waiting samples are dropped, so that the number of samples in use is limited.
 #pragma once
 
 #include <atomic>
@@ -19,7 +19,7 @@ namespace sft::core {
 
 class VanillaOutlet final : public VanillaPort {
  public:
-  /// The limits of the waiting samples: their number, and their bytes together. The latest sample may always
+  /// The maximum number of waiting samples, and their maximum size together. The latest sample may always
   /// wait, and so may as many samples as the publisher retains.
   static constexpr std::size_t waiting_max = 16, waiting_bytes_max = 256 << 10;
 
@@ -30,7 +30,7 @@ class VanillaOutlet final : public VanillaPort {
   VanillaOutlet(Write write, std::size_t retained_max);
   ~VanillaOutlet() override { close(); }
 
-  /// Begins to send. Must be called after begin_with(), and only once unless it fails.
+  /// Begins to send. Must be called after begin_with(), and only once, unless the call fails.
   Result<void> start(const ThreadSpec& thread);
   bool is_started() const { return thread_.joinable(); }
   /// Ends the thread, and releases all samples and the function that writes them. Samples that send() gets
@@ -55,13 +55,13 @@ class VanillaOutlet final : public VanillaPort {
   Write write_;
   const std::size_t retained_max_;
   std::thread thread_;
-  std::vector<SampleHandle> retained_;  ///< used by the thread once it runs
+  std::vector<SampleHandle> retained_;  ///< used only by the thread while it runs
   std::atomic<std::size_t> readers_{0};
   std::atomic<std::uint64_t> left_out_{0};
 
   Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::endpoint) SFT_ACQUIRED_BEFORE(lock_order::facts);
   Condition arrived_;
-  std::vector<SampleHandle> waiting_ SFT_GUARDED_BY(mutex_);  ///< a ring
+  std::vector<SampleHandle> waiting_ SFT_GUARDED_BY(mutex_);  ///< a ring buffer
   std::size_t first_ SFT_GUARDED_BY(mutex_) = 0, count_ SFT_GUARDED_BY(mutex_) = 0;
   std::size_t bytes_ SFT_GUARDED_BY(mutex_) = 0;  ///< the bytes of the waiting samples
   bool closed_ SFT_GUARDED_BY(mutex_) = false;

@@ -68,7 +68,8 @@ Result<void> VanillaReader::open() {
       });
   dds_lset_data_available(
       listener, [](dds_entity_t reader, void* self) { static_cast<VanillaReader*>(self)->take(reader); });
-  // A reader that only shows the subscriber does not count as the DDS endpoint by which it hears.
+  // A reader that only shows the subscriber to ROS 2 must not count as a DDS endpoint that receives
+  // samples.
   const std::string user_data = endpoint_user_data(type_hash_, spec_.hears ? spec_.id : 0);
   const DdsQos qos = qos_of(requested_from_vanilla(spec_.qos), user_data, spec_.hears);
   reader_ = dds_create_reader(domain_->participant(), topic_.entity, qos.get(), listener);
@@ -78,7 +79,8 @@ Result<void> VanillaReader::open() {
   return {};
 }
 
-/// Cyclone may have called the listener while the reader was being made, when it could not be asked yet.
+/// Takes events that occurred while the reader was being made. The listener may have been called in that
+/// time, when the reader could not be used yet.
 void VanillaReader::catch_up() {
   std::vector<dds_instance_handle_t> writers(writers_asked);
   const dds_return_t matched = dds_get_matched_publications(reader_, writers.data(), writers.size());
@@ -88,7 +90,7 @@ void VanillaReader::catch_up() {
 }
 
 VanillaReader::~VanillaReader() {
-  if (reader_ > 0) dds_delete(reader_);  // Cyclone waits for listeners that run
+  if (reader_ > 0) dds_delete(reader_);  // waits until no listener runs any more
   if (topic_.entity > 0) dds_delete(topic_.entity);
 }
 
@@ -103,7 +105,7 @@ std::set<RawFault> VanillaReader::faults() const {
   return faults_;
 }
 
-/// Called when a writer has begun or ceased to match. Then the reader knows it, or does not know it any more.
+/// Called when a writer has begun or ceased to match. Adds the writer to the known writers, or removes it.
 void VanillaReader::match(dds_entity_t reader, dds_instance_handle_t writer) {
   const Writer now = look_up(reader, writer);
   {
@@ -131,7 +133,8 @@ VanillaReader::Writer VanillaReader::look_up(dds_entity_t reader, dds_instance_h
           .is_heard = !is_ours && why_not_heard(type_name_, type_hash_, requested, endpoint).empty()};
 }
 
-/// A sample can arrive before the listener was called for the match of its writer.
+/// Returns the writer of a sample. A sample can arrive before the listener was called for the match of its
+/// writer.
 VanillaReader::Writer VanillaReader::writer_of(dds_entity_t reader, dds_instance_handle_t writer) {
   {
     const Lock lock(mutex_);

@@ -1,6 +1,6 @@
-// The DDS reader by which one selection of a subscriber hears unmodified writers of its topic, or by which
-// nodes of ROS 2 see that the subscriber is there, before such a writer is. What other endpoints of SFT send
-// by DDS is dropped, since it comes by SFT, too.
+// The DDS reader by which one selection of a subscriber receives the samples of unmodified writers. While
+// there is no such writer, the reader only shows nodes of ROS 2 that the subscriber exists. Samples that
+// other endpoints of SFT send by DDS are dropped, because they also arrive by SFT.
 #pragma once
 
 #include <dds/dds.h>
@@ -26,20 +26,21 @@ namespace sft::core {
 
 class VanillaReader {
  public:
-  /// Functions are called by threads of Cyclone, and must return at once.
+  /// The functions in this struct are called by threads of Cyclone, and must return at once.
   struct Spec {
-    EndpointId id = 0;     ///< the subscriber's selection
+    EndpointId id = 0;     ///< the id of the subscriber's selection
     std::string topic{};   ///< the name in SFT
     DdsNames names{};      ///< the names of topic and type
-    RawReading reading{};  ///< what it needs to read samples
+    RawReading reading{};  ///< the type and the memory for samples
     Qos qos{};             ///< the QoS that the subscriber requests
-    /// False: the reader is in a partition of its own, in which there are no writers, and reads nothing.
+    /// False: the reader is in a separate partition, in which there are no writers, and reads nothing.
     bool hears = true;
-    /// Called for one sample at a time, in the order in which they arrive. Returns true if the subscriber has
-    /// to be woken.
+    /// Called for each sample, in the order in which samples arrive, and never at the same time by two
+    /// threads. Returns true if the subscriber has to be woken.
     std::function<bool(const VanillaArrival&)> arrived{};
     std::function<void()> wake{};
-    /// Called when writers have begun or ceased to match, or a sample could not be read for a new reason.
+    /// Called when writers have begun or ceased to match, or when a sample could not be read for a new
+    /// reason.
     std::function<void()> changed{};
   };
   static Result<std::unique_ptr<VanillaReader>> open(std::shared_ptr<VanillaDomain> domain, Spec spec);
@@ -51,18 +52,19 @@ class VanillaReader {
   const std::shared_ptr<VanillaDomain>& domain() const { return domain_; }
   bool hears() const { return spec_.hears; }
   Guid guid() const { return guid_of(reader_); }
-  /// Returns true if that writer matches at present. Any thread.
+  /// Returns true if this writer matches at present. Any thread may call this.
   bool is_matched(EndpointId writer) const;
-  /// Returns the reasons for which samples could not be read so far. Any thread.
+  /// Returns the reasons for which samples could not be read so far. Any thread may call this.
   std::set<RawFault> faults() const;
 
  private:
   struct Writer {
     EndpointId id = 0;
-    bool is_heard = false;  ///< false: it is one of SFT, or does not fit the subscriber
+    bool is_heard = false;  ///< false: the writer belongs to SFT, or does not match the subscriber
     bool is_matched = true;
   };
-  static constexpr std::size_t departed_max = 64;  ///< their last samples may still arrive
+  /// The maximum number of departed writers that are remembered, since their last samples may still arrive
+  static constexpr std::size_t departed_max = 64;
 
   VanillaReader(std::shared_ptr<VanillaDomain> domain, Spec spec);
   Result<void> open();
@@ -79,7 +81,8 @@ class VanillaReader {
   const std::string type_name_, type_hash_;
   RawTopic topic_;
   dds_entity_t reader_ = 0;
-  Mutex taking_ SFT_ACQUIRED_BEFORE(mutex_);  ///< keeps the order of samples while two threads take them
+  /// Keeps the order of samples if two threads take them at the same time
+  Mutex taking_ SFT_ACQUIRED_BEFORE(mutex_);
   mutable Mutex mutex_;
   std::map<dds_instance_handle_t, Writer> writers_ SFT_GUARDED_BY(mutex_);
   std::set<RawFault> faults_ SFT_GUARDED_BY(mutex_);

@@ -17,13 +17,15 @@ namespace sft::core {
 
 namespace {
 
-/// A reader that was stopped pins the depth of the writer and two samples more. Of large ones they are few.
+/// The limits of the samples that the writer keeps, by size and number. A reader whose process was stopped
+/// keeps these samples, and two more, in use. So the writer keeps fewer samples if they are large.
 constexpr std::size_t kept_bytes = 16 << 20;
 constexpr std::size_t kept_samples = 10;
 constexpr std::size_t readers_counted = 1024;
-constexpr std::size_t complaints_max = 16;  // of one topic: forged readers can cost no more
+// The maximum number for one topic, so that the costs of forged readers are limited
+constexpr std::size_t complaints_max = 16;
 
-/// A writer that keeps the last samples never waits for its readers.
+/// Returns the QoS of the writer. A writer with DDS_HISTORY_KEEP_LAST never waits for its readers.
 DdsQos qos_of(const VanillaWriter::Spec& spec, const std::string& user_data) {
   const Qos offered = offered_to_vanilla(spec.qos);
   const bool retains = offered.durability == Durability::transient_local;
@@ -80,7 +82,7 @@ Result<void> VanillaWriter::open() {
 }
 
 VanillaWriter::~VanillaWriter() {
-  if (writer_ > 0) dds_delete(writer_);  // Cyclone waits for listeners that run
+  if (writer_ > 0) dds_delete(writer_);  // waits until no listener runs any more
   if (topic_.entity > 0) dds_delete(topic_.entity);
 }
 

@@ -24,7 +24,7 @@ std::size_t bytes_of(Kind kind) {
 
 py::array array_over(const void* data, const py::dtype& type, std::vector<py::ssize_t> shape,
                      std::vector<py::ssize_t> strides, const py::object& owner, bool is_writable) {
-  // There may be no memory behind an array without elements.
+  // An array without elements may have no memory.
   const bool is_empty = data == nullptr || std::ranges::find(shape, 0) != shape.end();
   py::array array =
       is_empty ? py::array(type, shape) : py::array(type, std::move(shape), std::move(strides), data, owner);

@@ -1,4 +1,4 @@
-// Arrays of numpy over memory of SFT, and the types of their elements.
+// Arrays of numpy over SFT's memory, and the types of their elements.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -15,12 +15,13 @@ using Kind = StructType::Member::Kind;
 using Shape = StructType::Member::Shape;
 
 constexpr bool is_number(Kind kind) { return kind != Kind::string && kind != Kind::structure; }
-/// Returns the type as numpy writes it: "<f4". `is_swapped`: in the other byte order than that of this host.
+/// Returns the name of the type in numpy, such as "<f4". `is_swapped` is true if the numbers do not have
+/// the byte order of this host.
 std::string dtype_text(Kind kind, bool is_swapped = false);
-/// The bytes of one number.
+/// Returns the size of one number in bytes.
 std::size_t bytes_of(Kind kind);
 
-/// An object of Python that keeps `owner` alive, as the base of arrays.
+/// Returns a Python object that keeps `owner` alive, for use as the base of arrays.
 template <class T>
 py::capsule keep(std::shared_ptr<T> owner) {
   using Owner = std::shared_ptr<T>;

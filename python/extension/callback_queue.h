@@ -1,5 +1,5 @@
-// Calls of callbacks of Python: with lines of the log, and with events. Threads of SFT put them in, and a
-// thread of Python takes them out, so that no thread of SFT waits for the GIL. Any thread.
+// A queue of calls of Python callbacks, for lines of the log and for events. Threads of SFT add calls, and
+// a Python thread takes them. So no thread of SFT waits for the GIL. Any thread may call these functions.
 #pragma once
 
 #include <chrono>
@@ -22,14 +22,14 @@ struct QueuedCall {
 
 class CallbackQueue {
  public:
-  /// Discards the call if no thread takes calls.
+  /// Adds a call. Discards it if no thread takes calls.
   void put(QueuedCall call) {
     constexpr std::size_t most = 10'000;
     const std::lock_guard lock(mutex_);
     if (calls_.size() < most) calls_.push_back(std::move(call));
     arrived_.notify_one();
   }
-  /// Waits until there are calls. Without the GIL.
+  /// Waits until there are calls, and takes them. Must be called without the GIL.
   std::vector<QueuedCall> take(std::chrono::nanoseconds timeout) {
     std::unique_lock lock(mutex_);
     arrived_.wait_for(lock, timeout, [this] { return !calls_.empty(); });

@@ -16,7 +16,7 @@ namespace sft::python {
 
 namespace {
 
-/// The limits of the format: lengths are numbers of 32 bits, of which a sample uses fewer.
+/// The limit of the format: a length has 32 bits. Samples are always shorter.
 constexpr std::size_t count_max = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t shown_max = 60;
 
@@ -32,7 +32,7 @@ std::string_view text_in(const py::handle& text) {
   return {data, static_cast<std::size_t>(bytes)};
 }
 
-/// The members of a mapping that have names.
+/// Returns the items of a mapping as a dictionary.
 py::dict values_of(const py::handle& value) {
   if (PyDict_Check(value.ptr())) return py::reinterpret_borrow<py::dict>(value);
   return py::dict(py::reinterpret_borrow<py::object>(value));
@@ -47,7 +47,7 @@ bool is_instance(const py::handle& value, const char* module, const char* name) 
   return py::isinstance(value, py::module_::import(module).attr(name));
 }
 
-/// Returns false for texts, bytes, and what has neither order nor length.
+/// Returns false for texts, bytes, and objects without an order or a length.
 bool is_list(const py::handle& value) {
   PyObject* const p = value.ptr();
   return PySequence_Check(p) && !PyUnicode_Check(p) && !PyBytes_Check(p) && !PyByteArray_Check(p) &&
@@ -56,7 +56,7 @@ bool is_list(const py::handle& value) {
 
 }  // namespace
 
-/// Goes down to a field as long as it lives.
+/// Makes the encoder visit a field. While this object exists, errors name the path of this field.
 class Encoder::Step {
  public:
   Step(std::string& path, std::string_view name) : path_(path), length_(path.size()) {
@@ -141,7 +141,7 @@ void Encoder::put_mapping(const StructType& type, const py::dict& values) {
     PyObject* const found = PyDict_GetItemWithError(values.ptr(), name.ptr());
     if (found == nullptr && PyErr_Occurred() != nullptr) throw py::error_already_set();
     used += found != nullptr ? 1 : 0;
-    // A list may change while it is read, so that the value must be kept.
+    // The value must be kept, because a list may change while it is read.
     put_member(member, py::reinterpret_borrow<py::object>(found));
   }
   if (used == values.size()) return;
@@ -150,7 +150,8 @@ void Encoder::put_mapping(const StructType& type, const py::dict& values) {
   py::module_::import("sft._fit").attr("refuse_unknown")(values, names, short_name(type.name), path_);
 }
 
-/// Puts the present time for the words that JSON has, too: "now" for a time, and "auto" for a header.
+/// Puts the present time if the value is a word that JSON also allows: "now" for a time, or "auto" for a
+/// header. Returns false if it is not.
 bool Encoder::put_word(const StructType& type, const py::handle& value) {
   if (!PyUnicode_Check(value.ptr())) return false;
   const bool is_time = type.name == "builtin_interfaces::msg::Time" && text_in(value) == "now";
@@ -230,7 +231,7 @@ void Encoder::put_number(const Member& member, const py::handle& value) {
   }
 }
 
-/// Takes whatever is an integer for Python, and the names of enumerators.
+/// Puts an integer. Accepts all objects that Python converts to an integer, and the names of enumerators.
 template <class Number>
 void Encoder::put_integer(const Member& member, const py::handle& value) {
   using Limits = std::numeric_limits<Number>;
@@ -328,7 +329,8 @@ void Encoder::put_room(const Member& member, const py::handle& count) {
 }
 
 void Encoder::put_elements(const Member& member, const py::handle& value) {
-  const bool notes = std::exchange(makes_room_, false);  // elements of lists are not written later
+  // No places are noted in lists, since their elements are not written later
+  const bool notes = std::exchange(makes_room_, false);
   if (value && !is_list(value)) refuse(PyExc_TypeError, value, "a list");
   py::object list;
   if (value) list = py::reinterpret_steal<py::object>(PySequence_Tuple(value.ptr()));

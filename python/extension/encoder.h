@@ -1,6 +1,7 @@
-// Messages of Python as CDR. A struct is a mapping, an object with attributes, or an sft.Message; the members
-// that a mapping lacks are zero or empty. What does not fit raises a TypeError or a ValueError that names the
-// path of the field, the value, and what was expected. Nothing is cut.
+// Encodes messages of Python as CDR. A struct is given as a mapping, as an object with attributes, or as an
+// sft.Message. Members that are missing in a mapping become zero or empty. A value that does not fit its
+// field raises a TypeError or a ValueError, which names the path of the field, the value, and the expected
+// type or range. Values are never truncated.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -13,23 +14,23 @@
 
 namespace sft::python {
 
-/// For one message. REQUIRES: the calling thread has the GIL.
+/// Encodes one message. REQUIRES: the calling thread has the GIL.
 class Encoder {
  public:
-  /// `makes_room`: the message is a loan: an integer in place of a sequence of numbers leaves room for that
-  /// many, and the places of fields are noted.
+  /// If `makes_room` is true, the message is a loan. Then an integer in place of a sequence of numbers
+  /// reserves this number of elements, and the places of fields are noted.
   explicit Encoder(bool makes_room = false) : makes_room_(makes_room) {}
 
   /// Encodes a whole message.
   Plan message(const StructType& type, const py::handle& value);
-  /// Encodes one member, which errors call `path`.
+  /// Encodes one member. Errors name the member `path`.
   Plan member(const StructType::Member& member, const py::handle& value, const std::string& path);
 
  private:
   using Member = StructType::Member;
   class Step;
 
-  // A null handle stands for a value that is not given.
+  // In the following functions, a null handle means that no value is given.
   void put_struct(const StructType& type, const py::handle& value);
   void put_mapping(const StructType& type, const py::dict& values);
   void put_member(const Member& member, const py::handle& value);

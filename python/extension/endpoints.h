@@ -1,7 +1,7 @@
-// Nodes, publishers, loans and subscribers as the Python package uses them. The classes in
-// python/sft/_node.py are those that programs see.
+// Nodes, publishers, loans and subscribers for the Python package. Programs use the classes in
+// python/sft/_node.py, which are built on these.
 //
-// Objects of Python are used by any thread that has the GIL. Publishers let one thread at a time publish.
+// A Python object may be used by any thread that has the GIL. Only one thread at a time uses a publisher.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -22,25 +22,27 @@ namespace sft::python {
 
 namespace py = pybind11;
 
-/// A publisher, and the lock by which one thread at a time uses it.
+/// A publisher, and the mutex that limits its use to one thread at a time.
 struct LockedPublisher {
   explicit LockedPublisher(DynamicPublisher&& opened) : publisher(std::move(opened)) {}
   LockedPublisher(LockedPublisher&& other) noexcept : publisher(std::move(other.publisher)) {}
 
   DynamicPublisher publisher;
-  std::mutex mutex;  ///< no thread waits for it while it holds the GIL
+  std::mutex mutex;  ///< a thread must not wait for it while it holds the GIL
 };
 
-/// A message that is filled in its memory.
+/// A loaned message, which the program fills in place.
 class PyLoan {
  public:
-  /// REQUIRES: `loan` has the bytes of the plan.
+  /// REQUIRES: the body of `loan` has as many bytes as the plan.
   PyLoan(Shared<LockedPublisher> publisher, DynamicPublisher::Loan loan, std::vector<Plan::Place> places);
 
-  /// Returns a number, a writable array, or None for a struct. Throws a KeyError if there is no such field.
+  /// Returns the value of the field: a number, a writable array, or None for a struct. Throws a KeyError if
+  /// there is no such field.
   py::object get(const std::string& path);
   void set(const std::string& path, const py::handle& value);
-  /// Publishes it. If an array over it is still alive, a copy is published, and was_copied() becomes true.
+  /// Publishes the message. If an array over its memory is still alive, publishes a copy instead, and
+  /// was_copied() returns true from then on.
   bool publish();
   void discard() { memory_.reset(); }
   bool is_over() const { return memory_ == nullptr; }
@@ -51,7 +53,7 @@ class PyLoan {
   std::byte* at(const Plan::Place& place) const { return memory_->body().data() + place.offset; }
 
   Shared<LockedPublisher> publisher_;
-  std::shared_ptr<DynamicPublisher::Loan> memory_;  ///< arrays keep it, too; null after the end
+  std::shared_ptr<DynamicPublisher::Loan> memory_;  ///< arrays share it; null after the end of the loan
   std::vector<Plan::Place> places_;
   bool was_copied_ = false;
 };
@@ -61,10 +63,11 @@ class PyPublisher {
   PyPublisher(LockedPublisher&& opened, const Shared<Node>& node)
       : publisher_(std::move(opened)), node_(node) {}
 
-  /// Returns false if a reader misses the sample.
+  /// Publishes the message. Returns false if a reader misses the sample.
   bool publish(const py::handle& message);
   bool publish_cdr(const py::buffer& payload);
-  /// `values` may have numbers of elements in place of sequences.
+  /// Lends memory for a message. In `values`, a sequence of numbers may be given by its number of elements.
+  /// If `zeroed` is true, such sequences are filled with zeros.
   PyLoan loan(const py::dict& values, bool zeroed);
   bool wait_for_subscribers(std::size_t count, std::optional<double> timeout_s);
   void assert_liveliness() { opened()->publisher.assert_liveliness(); }
@@ -80,13 +83,13 @@ class PyPublisher {
  private:
   const Shared<LockedPublisher>& opened() const;
 
-  std::optional<Shared<LockedPublisher>> publisher_;  ///< empty once it is closed
-  std::optional<Shared<Node>> node_;                  ///< empty once it is closed
+  std::optional<Shared<LockedPublisher>> publisher_;  ///< empty after close()
+  std::optional<Shared<Node>> node_;                  ///< empty after close()
 };
 
 class PySubscriber {
  public:
-  /// `copies`: samples are copied when they are taken, since the options say `as_remote`.
+  /// If `copies` is true, samples are copied when they are taken (the option as_remote).
   PySubscriber(DynamicSubscriber&& opened, const Shared<Node>& node, const std::string& topic,
                bool is_recorded, bool copies)
       : subscriber_(std::move(opened)),
@@ -94,7 +97,7 @@ class PySubscriber {
         origin_(std::make_shared<HeldSample::Origin>(topic, is_recorded)),
         copies_(copies) {}
 
-  /// Returns a Sample, or None.
+  /// Returns the next sample as a Sample; None if there is none.
   py::object take() { return taken(&DynamicSubscriber::take); }
   py::object take_latest() { return taken(&DynamicSubscriber::take_latest); }
   bool wait(std::optional<double> timeout_s);
@@ -116,15 +119,15 @@ class PySubscriber {
   const Shared<DynamicSubscriber>& opened() const;
   py::object taken(DynamicSample (DynamicSubscriber::*function)());
 
-  std::optional<Shared<DynamicSubscriber>> subscriber_;  ///< empty once it is closed
-  std::optional<Shared<Node>> node_;                     ///< empty once it is closed
+  std::optional<Shared<DynamicSubscriber>> subscriber_;  ///< empty after close()
+  std::optional<Shared<Node>> node_;                     ///< empty after close()
   std::shared_ptr<HeldSample::Origin> origin_;
   bool copies_;
 };
 
 class PyNode {
  public:
-  /// Lines of the log are queued for their callback if `log_level` is given.
+  /// If `log_level` is given, lines of the log are queued for their callback.
   PyNode(const py::dict& options, const std::optional<std::string>& log_level);
 
   std::unique_ptr<PyPublisher> publisher(const std::string& topic, const DynamicType& type,
@@ -133,7 +136,7 @@ class PyNode {
                                            const std::optional<std::string>& fields, const py::dict& options,
                                            std::uint64_t events_to);
   DynamicType find_type(const std::string& topic, std::optional<double> timeout_s);
-  /// Returns the queued calls of callbacks, each as a tuple. It waits for the first one.
+  /// Waits for queued calls of callbacks, and returns each of them as a tuple.
   py::list queued_calls(double timeout_s);
   std::string snapshot() const { return to_json(opened()->snapshot()); }
   py::list topics() const;
@@ -147,7 +150,7 @@ class PyNode {
   Event::Callback events(std::uint64_t to) const;
 
   std::shared_ptr<CallbackQueue> callbacks_ = std::make_shared<CallbackQueue>();
-  std::optional<Shared<Node>> node_;  ///< empty once it is closed
+  std::optional<Shared<Node>> node_;  ///< empty after close()
 };
 
 /// Adds the classes to the module.

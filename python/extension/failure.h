@@ -1,4 +1,5 @@
-// Errors of SFT as exceptions of Python. The class sft.Error has the text and the category.
+// Converts errors of SFT to exceptions of Python. The Python class is sft.Error, which has the text and the
+// category of the error.
 #pragma once
 
 #include <exception>
@@ -9,7 +10,7 @@
 
 namespace sft::python {
 
-/// Becomes sft.Error in Python.
+/// An error of SFT as an exception of C++. In Python it becomes an sft.Error.
 class Failure : public std::exception {
  public:
   explicit Failure(Error error) : error_(std::move(error)) {}
@@ -20,10 +21,10 @@ class Failure : public std::exception {
   Error error_;
 };
 
-/// Sets the exception of Python.
+/// Makes an sft.Error the present exception of Python.
 void raise_failure(const Failure& failure);
 
-/// Returns the value, or throws the error.
+/// Returns the value. If there is an error instead, throws it as a Failure.
 template <class T>
 T value_of(Result<T>&& result) {
   if (!result) throw Failure(std::move(result.error()));

@@ -1,6 +1,6 @@
-// Leaving the GIL while a call waits or copies much, and the end of the interpreter.
+// Releases the GIL while a call waits or copies much data, and handles the end of the interpreter.
 //
-// No thread of SFT ever takes the GIL: only threads of Python do. So a function that holds the GIL may wait
+// No thread of SFT ever takes the GIL, only threads of Python do. So a function that holds the GIL may wait
 // for locks of SFT.
 #pragma once
 
@@ -21,17 +21,18 @@ namespace sft::python {
 
 namespace py = pybind11;
 
-/// True from the moment when the interpreter begins to end. From then on no thread leaves the GIL, because
-/// Python would end it, with all C++ frames on it, when it comes back. There is one interpreter in a process.
+/// True once the interpreter has begun to end. From then on, no thread releases the GIL: Python would end
+/// the thread, including its C++ frames, when the thread requests the GIL again. A process has only one
+/// interpreter.
 inline std::atomic<bool> interpreter_ends{false};
-/// The number of threads that are without the GIL in a call of this module.
+/// The number of threads that have released the GIL in a call of this module.
 inline std::atomic<int> threads_without_gil{0};
-/// True in a process that was forked from one with open nodes. Locks may be held there for ever, and waits
-/// return at once, so that nothing of SFT is used.
+/// True in a process that was forked from a process with open nodes. Nothing of SFT may be used there:
+/// locks may be held for ever, and waits would return at once.
 inline std::atomic<bool> is_forked{false};
-/// The text that is added in Python to errors about forks.
+/// A text that is added to errors about forks in Python.
 inline constexpr const char* instead_of_fork = "; of multiprocessing, use the start method 'spawn'";
-/// Copies of more bytes are made without the GIL.
+/// The size in bytes above which data is copied without the GIL.
 constexpr std::size_t large_bytes = 64 * 1024;
 
 inline void refuse_forked() {
@@ -41,7 +42,7 @@ inline void refuse_forked() {
                                         instead_of_fork});
 }
 
-/// The calling thread is without the GIL as long as this object lives, if `leaves`.
+/// Releases the GIL of the calling thread as long as this object exists, unless `leaves` is false.
 class WithoutGil {
  public:
   explicit WithoutGil(bool leaves = true) {
@@ -61,7 +62,8 @@ class WithoutGil {
   PyThreadState* state_ = nullptr;
 };
 
-/// Returns bytes of Python that `write` writes, without the GIL if they are many. It gets their place.
+/// Returns Python bytes of this size, which `write` fills. `write` gets the memory, and is called without
+/// the GIL if the size is large.
 template <class Write>
 py::bytes bytes_with(std::size_t size, Write&& write) {
   auto bytes =
@@ -73,8 +75,8 @@ py::bytes bytes_with(std::size_t size, Write&& write) {
   return bytes;
 }
 
-/// Owns an object of SFT whose destructor may wait for other threads, and destroys it without the GIL. It is
-/// copied like a std::shared_ptr.
+/// Owns an object of SFT whose destructor may wait for other threads, and destroys this object without the
+/// GIL. Copies share the object, as copies of a std::shared_ptr do.
 template <class T>
 class Shared {
  public:
@@ -98,8 +100,8 @@ class Shared {
   std::shared_ptr<T> object_;
 };
 
-/// The time that a caller of Python gives in seconds; None is for ever. Throws a ValueError if it is no
-/// number.
+/// Converts a timeout in seconds that was passed in Python; None means no limit. Throws a ValueError if the
+/// timeout is not a number.
 inline std::chrono::nanoseconds duration_of(std::optional<double> seconds) {
   constexpr double most_s = 1e9;
   if (seconds && std::isnan(*seconds)) throw py::value_error("timeout is nan; seconds or None were expected");
@@ -107,8 +109,9 @@ inline std::chrono::nanoseconds duration_of(std::optional<double> seconds) {
       static_cast<std::int64_t>(1e9 * std::clamp(seconds.value_or(most_s), 0.0, most_s)));
 }
 
-/// Calls `wait` with short times, without the GIL, until it returns true, the time is over, or `is_over`
-/// returns true. Between two calls handlers of signals run, so that Ctrl-C ends the wait with an exception.
+/// Calls `wait` repeatedly with short timeouts, without the GIL, until it returns true, the time is over,
+/// or `is_over` returns true. Between two calls, signal handlers of Python run, so that Ctrl-C ends the
+/// wait with an exception.
 template <class Wait, class IsOver>
 bool wait_in_slices(std::optional<double> timeout_s, Wait&& wait, IsOver&& is_over) {
   using Clock = std::chrono::steady_clock;

@@ -1,4 +1,4 @@
-// The extension module sft._sft. The package python/sft is made of it, and only that package uses it.
+// The extension module sft._sft. It is used only by the package python/sft.
 #include <pybind11/pybind11.h>
 
 #include <chrono>
@@ -29,8 +29,8 @@ void raise_failure(const Failure& failure) {
 
 namespace {
 
-/// Called once, when the interpreter begins to end and all nodes are closed: waits for the threads that are
-/// without the GIL, for a limited time.
+/// Waits, for a limited time, for the threads that have released the GIL. Called once when the interpreter
+/// begins to end, after all nodes were closed.
 void end() {
   using Clock = std::chrono::steady_clock;
   interpreter_ends = true;

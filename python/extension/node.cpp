@@ -23,12 +23,13 @@ LogLevel level_of(const std::string& name) {
   throw py::value_error("log_level is '" + name + "'; it is 'debug', 'info', 'warning' or 'error'");
 }
 
-/// A search for a type by a thread of its own. The caller may leave before it ends, at Ctrl-C.
+/// Searches for a type in its own thread. The caller may stop waiting before the search ends, for example
+/// at Ctrl-C.
 class TypeSearch {
  public:
   static std::shared_ptr<TypeSearch> begin(Node node, std::string topic, std::chrono::nanoseconds timeout) {
     auto search = std::make_shared<TypeSearch>();
-    ++threads_without_gil;  // the interpreter waits for its end
+    ++threads_without_gil;  // the interpreter must wait for the end of this thread
     std::thread([search, node = std::move(node), topic = std::move(topic), timeout]() mutable {
       search->end(search->find(node, topic, timeout));
       { [[maybe_unused]] const Node closed = std::move(node); }
@@ -49,8 +50,8 @@ class TypeSearch {
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// Longer than Node::find_type() prefers the types of publishers to those of subscribers, which it does
-  /// anew in each slice.
+  /// The length of one call of Node::find_type(). It is longer than the time in which that function prefers
+  /// the types of publishers to those of subscribers, because each call begins this time anew.
   static constexpr std::chrono::nanoseconds slice = std::chrono::seconds(10);
 
   Result<DynamicType> find(Node& node, const std::string& topic, std::chrono::nanoseconds timeout) {
@@ -59,7 +60,7 @@ class TypeSearch {
       const Clock::time_point slice_end = std::min(Clock::now() + slice, end);
       Result<DynamicType> type = node.find_type(topic, slice_end - Clock::now());
       const Clock::time_point now = Clock::now();
-      // An error before the time is over is none that waiting mends.
+      // Other errors than the end of the slice cannot be corrected by waiting longer.
       if (type || now < slice_end || now >= end || has_left_) return type;
     }
   }
@@ -75,7 +76,7 @@ class TypeSearch {
   std::atomic<bool> has_left_{false};
 };
 
-/// Says what to do in Python if the process was forked.
+/// Adds a text for Python programs if the error is caused by a fork.
 Error for_python(Error error) {
   if (error.message.find("forked") != std::string::npos) error.message += instead_of_fork;
   return error;
@@ -153,7 +154,8 @@ std::unique_ptr<PySubscriber> PyNode::subscriber(const std::string& topic, const
 
 DynamicType PyNode::find_type(const std::string& topic, std::optional<double> timeout_s) {
   const auto search = TypeSearch::begin(*opened(), topic, duration_of(timeout_s));
-  // The search itself ends after the timeout, with an error that says what was seen.
+  // The search ends by itself after the timeout, with an error that names the nodes and types that were
+  // found.
   try {
     wait_in_slices(
         std::nullopt, [&](std::chrono::nanoseconds time) { return search->wait(time); },

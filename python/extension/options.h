@@ -1,4 +1,4 @@
-// Keyword arguments of Python as options of SFT.
+// Converts keyword arguments of Python to options of SFT.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -15,8 +15,8 @@ namespace sft::python {
 
 namespace py = pybind11;
 
-/// Takes keyword arguments one by one. An argument that is None counts as not given. Values that an option
-/// cannot have raise a TypeError or a ValueError that names the argument.
+/// Takes keyword arguments one by one. An argument with the value None counts as not given. A value that
+/// the option cannot have raises a TypeError or a ValueError, which names the argument.
 class Keywords {
  public:
   explicit Keywords(py::dict given) : given_(std::move(given)) {}
@@ -31,7 +31,7 @@ class Keywords {
       refuse(name, value);
     }
   }
-  /// A time in seconds, of at most 31 years, so that it fits.
+  /// Takes a time in seconds. Times longer than 31 years are refused, because they would overflow.
   template <class Rep, class Period>
   void take(const char* name, std::chrono::duration<Rep, Period>& to) {
     constexpr double most_s = 1e9;
@@ -43,7 +43,7 @@ class Keywords {
     to = std::chrono::duration_cast<std::chrono::duration<Rep, Period>>(
         std::chrono::duration<double>(seconds));
   }
-  /// A choice between two values.
+  /// Takes a boolean. If it is true, sets the option to `if_true`.
   template <class T>
   void choose(const char* name, T& to, T if_true) {
     bool is_true = false;

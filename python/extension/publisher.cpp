@@ -12,7 +12,8 @@ namespace sft::python {
 
 namespace {
 
-/// Calls a function of the publisher without the GIL, when no other thread uses the publisher.
+/// Calls a function with the publisher, without the GIL, after all other threads have finished using the
+/// publisher.
 template <class Call>
 auto alone(LockedPublisher& publisher, Call&& call) {
   refuse_forked();
@@ -30,7 +31,7 @@ void write(const Plan& plan, DynamicPublisher::Loan& loan, bool zeroed) {
   plan.write(loan.body(), zeroed);
 }
 
-/// Returns false if a reader misses the sample, and throws if nothing was sent.
+/// Returns false if a reader misses the sample. Throws if nothing was sent.
 bool was_sent(Result<PublishStatus>&& result) {
   const PublishStatus status = value_of(std::move(result));
   if (status == PublishStatus::ok || status == PublishStatus::dropped) return status == PublishStatus::ok;
@@ -42,7 +43,8 @@ bool send(LockedPublisher& publisher, DynamicPublisher::Loan&& loan) {
   return was_sent(alone(publisher, [&](DynamicPublisher&) { return std::move(loan).publish(); }));
 }
 
-/// Returns the encoded sample if the message is a received one of the publisher's type, with all its fields.
+/// Returns the bytes of a received sample that can be published unchanged: it has the publisher's type and
+/// all fields. Otherwise returns nothing.
 std::span<const std::byte> encoded(const py::handle& message, const DynamicType& type) {
   if (!py::isinstance<Sample>(message)) return {};
   const DynamicSample& sample = message.cast<const Sample&>().held().sample();
@@ -84,7 +86,7 @@ py::object PyLoan::get(const std::string& path) {
 void PyLoan::set(const std::string& path, const py::handle& value) {
   const Plan::Place* const place = find(path);
   if (place == nullptr) throw py::type_error("'" + path + "' is a struct: set its members");
-  // The conversion may run code of Python that ends the loan. So the memory is looked for after it.
+  // The conversion may run Python code that ends the loan. So the memory is accessed only after it.
   if (place->member->shape == Shape::single) {
     const Plan plan = Encoder().member(*place->member, value, path);
     plan.write({at(*find(path)), plan.bytes()}, false);
@@ -96,7 +98,7 @@ void PyLoan::set(const std::string& path, const py::handle& value) {
       throw py::value_error("'" + path + "' has " + std::to_string(place->count) + " elements; " +
                             std::to_string(count) + " were given");
     std::byte* const to = at(*find(path));
-    const auto kept = memory_;  // another thread may end the loan meanwhile
+    const auto kept = memory_;  // another thread may end the loan during this call
     const auto bytes = static_cast<std::size_t>(fitting.nbytes());
     const WithoutGil without(bytes > large_bytes);
     std::memmove(to, fitting.data(), bytes);
@@ -108,7 +110,7 @@ bool PyLoan::publish() {
   const std::shared_ptr<DynamicPublisher::Loan> memory = std::exchange(memory_, nullptr);
   was_copied_ = memory.use_count() > 1;
   if (!was_copied_) return send(*publisher_, std::move(*memory));
-  // An array of Python can still write to the memory of this loan. So a copy becomes the sample.
+  // A Python array can still write to the memory of this loan. So a copy is published.
   DynamicPublisher::Loan copy = lend(*publisher_, memory->body().size());
   {
     const WithoutGil without(copy.body().size() > large_bytes);

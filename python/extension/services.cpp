@@ -1,4 +1,4 @@
-// The rules of services for the package, which exchanges calls and replies as samples.
+// Services for the Python package. The package exchanges calls and replies as samples; the rules are here.
 #include <pybind11/stl.h>
 
 #include <algorithm>
@@ -13,15 +13,15 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// One call of a client.
+/// One call of a service by a client.
 class PyClientCall {
  public:
   PyClientCall(const std::string& service, std::optional<double> timeout_s)
       : call_(service, Clock::now(), duration_of(timeout_s)) {}
 
   std::uint32_t timeout_ms() const { return call_.timeout_ms(); }
-  /// Returns the id of the server that the call has to be sent to, or 0, and for how long to wait for the
-  /// reply [s]. Throws if the call has failed.
+  /// Returns the id of the server to which the call must be sent now, or 0, and the time in seconds for
+  /// which to wait for the reply. Throws if the call has failed.
   py::tuple next(const PyPublisher& calls, const PySubscriber& replies) {
     using Kind = detail::ClientCall::Step::Kind;
     const Clock::time_point now = Clock::now();
@@ -36,7 +36,7 @@ class PyClientCall {
   detail::ClientCall call_;
 };
 
-/// The calls that a server has carried out, with the encoded replies.
+/// The calls that a server has already carried out, with their encoded replies.
 using Served = detail::ServedCalls<py::bytes>;
 
 }  // namespace

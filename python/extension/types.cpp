@@ -20,7 +20,7 @@ namespace {
 
 using Roots = std::vector<std::string>;
 
-/// The user's own files are not hostile. So types in them may nest deeper than those that other nodes
+/// The user's own files are not hostile. So their types may nest deeper than types that other nodes
 /// announce.
 constexpr DynamicType::Limits limits_of_files{.bytes = std::size_t{1} << 20, .depth = 64};
 

@@ -19,13 +19,13 @@ class PyType {
   PyType(DynamicType root, const StructType& type) : root_(std::move(root)), type_(&type) {}
 
   std::string name() const;
-  /// The type for nodes. Throws if this is a nested struct.
+  /// Returns the type for use with nodes. Throws if this is a nested struct.
   const DynamicType& whole() const;
-  /// The members, each as a tuple: name, kind, shape, count, bound, unit, PyType or None.
+  /// Returns the members, each as a tuple of name, kind, shape, count, bound, unit, and a PyType or None.
   py::list members() const;
-  /// Equal for equal types: the name, and the description of the whole type.
+  /// Returns a tuple that is equal for equal types: the name, and the description of the whole type.
   py::tuple key() const;
-  /// Throws if the member cannot have this value.
+  /// Throws an exception if the member cannot have this value.
   void check(const std::string& member, const py::handle& value) const;
   /// Returns the message as CDR with its encapsulation.
   py::bytes encode(const py::handle& message) const;
@@ -35,7 +35,7 @@ class PyType {
   const StructType* type_;
 };
 
-/// Adds the class and its makers to the module.
+/// Adds the class and the functions that make types to the module.
 void define_types(py::module_& module);
 
 }  // namespace sft::python

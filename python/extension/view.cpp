@@ -16,7 +16,7 @@ namespace sft::python {
 
 namespace {
 
-/// Calls `read` with the type in C++ of numbers of this kind, as DynamicView::as() takes it.
+/// Calls `read` with a value of the C++ type for numbers of this kind, as in DynamicView::as().
 template <class Read>
 auto with_type_of(Kind kind, Read&& read) {
   switch (kind) {
@@ -61,7 +61,7 @@ std::vector<std::string_view> views_of(const std::vector<std::string>& names) {
   return {names.begin(), names.end()};
 }
 
-/// Shape and steps of an array over cells: one row has one dimension.
+/// The shape and the strides of an array over cells. If there is only one row, the array has one dimension.
 struct Grid {
   explicit Grid(const Strides& cells) {
     if (cells.rows != 1) {
@@ -75,10 +75,10 @@ struct Grid {
   std::vector<py::ssize_t> steps;
 };
 
-/// Returns an attribute of a view: a field, or what the class has.
+/// Returns an attribute of a view: a field of the sample, or an attribute of the class.
 py::object attribute(PyObject* self, PyObject* name) {
-  // The view is the only C++ object of `self`, and the first base of a Sample. It is missing after
-  // View.__new__.
+  // The view is the only C++ object of `self`, and the first base class of Sample. It is missing after a
+  // direct call of View.__new__.
   const auto* const view =
       reinterpret_cast<py::detail::instance*>(self)->get_value_and_holder().value_ptr<View>();
   const auto text = py::handle(name).cast<std::string_view>();
@@ -91,8 +91,8 @@ py::object attribute(PyObject* self, PyObject* name) {
   throw py::attribute_error(view->view()[text].error()->message);
 }
 
-/// The slot of Python for attributes. It is called for each read of a field, and so it does without the
-/// overloads of pybind11, which take longer than the read itself.
+/// The function that Python calls for each access to an attribute, and so for each access to a field. It
+/// does not use the overloads of pybind11, which would take longer than the access itself.
 PyObject* get_attribute(PyObject* self, PyObject* name) noexcept {
   try {
     try {
@@ -174,7 +174,8 @@ py::object View::absent_or_throw(const Error& error, const std::string& path) co
 
 py::object View::value(const DynamicView& view, std::string path) const {
   if (view.error() != nullptr) throw Failure(*view.error());
-  // A struct is a view even if the sample lacks it, so that only the members that are read are asked for.
+  // A struct is returned as a view even if the sample lacks it. So only the members that are then read are
+  // requested.
   if (view.is_struct()) return py::cast(View(held_, view, std::move(path)));
   if (view.is_collection()) {
     return is_number(view.kind()) ? number_array(view, path) : elements(view, path);
@@ -199,7 +200,7 @@ py::object View::elements(const DynamicView& view, const std::string& path) cons
   py::list all;
   for (const DynamicView& element : view.elements())
     all.append(value(element, path + "[" + std::to_string(all.size()) + "]"));
-  if (all.size() < *size) return absent(path);  // only the number of elements was sent
+  if (all.size() < *size) return absent(path);  // the sample has only the number of elements
   return py::tuple(all);
 }
 
@@ -209,7 +210,8 @@ py::object View::size(std::string_view path) const {
   return py::int_(*size);
 }
 
-/// Returns the points with these channels. No names: with all channels, whose names are added.
+/// Returns the points with the channels `names`. If there are no names, returns them with all channels, and
+/// sets `names`.
 Result<Strides> View::strides(std::vector<std::string>& names) const {
   if (names.empty()) {
     for (const DynamicView& channel : view_["fields"].elements()) {

@@ -1,4 +1,4 @@
-// A sample in Python: its fields are attributes, and arrays lie over its memory.
+// Samples in Python. Fields are attributes, and arrays refer to the memory of the sample.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -17,7 +17,8 @@ namespace sft::python {
 
 namespace py = pybind11;
 
-/// A sample that objects of Python refer to. Views and arrays keep it alive, and nothing else does.
+/// A sample to which Python objects refer. Views and arrays share it, and it is released with the last of
+/// them.
 class HeldSample {
  public:
   /// The data that the samples of one subscriber share.
@@ -26,7 +27,7 @@ class HeldSample {
 
     const std::string topic;
     const bool is_recorded;
-    std::atomic<int> held{0};  ///< the samples that Python holds
+    std::atomic<int> held{0};  ///< the number of samples that the Python program holds
   };
 
   HeldSample(DynamicSample sample, std::shared_ptr<Origin> origin)
@@ -46,7 +47,7 @@ class HeldSample {
   const std::shared_ptr<Origin> origin_;
 };
 
-/// A struct of a sample.
+/// A struct in a sample, or the whole sample.
 class View {
  public:
   View(std::shared_ptr<const HeldSample> held, DynamicView view, std::string path)
@@ -58,16 +59,17 @@ class View {
   bool has(std::string_view member) const;
   /// Returns the value of a member: a number, a text, an array, a tuple, a View, or an sft.Absent.
   py::object member(std::string_view name) const { return value(view_[name], path_of(name)); }
-  /// The value at a path: "fields[0].name".
+  /// Returns the value at a path, such as "fields[0].name".
   py::object find(std::string_view path) const { return value(view_.find(path), path_of(path)); }
-  /// Returns true if the sample was sent without the member. This is no read.
+  /// Returns true if the sample was sent without the member. The call does not count as a read of the
+  /// member.
   bool is_absent(std::string_view member) const { return view_[member].is_absent(); }
   py::object size(std::string_view path) const;
-  /// The points of a cloud as one structured array, or as one array for each channel.
+  /// Return the points of a cloud, as one structured array or as one array for each channel.
   py::object points(const std::vector<std::string>& names) const;
   py::object columns(const std::vector<std::string>& names) const;
-  /// The cells of a field, as an array of bytes with rows, columns and the bytes of a cell, and whether their
-  /// values are swapped.
+  /// Returns the cells of a field as an array of bytes with the dimensions row, column and byte of the
+  /// cell. Also returns whether the byte order of the values is swapped.
   py::object cells(const std::string& path, std::size_t cell_bytes) const;
 
  private:
@@ -84,7 +86,7 @@ class View {
 
   std::shared_ptr<const HeldSample> held_;
   DynamicView view_;
-  std::string path_;  ///< of this struct in the sample; empty for the whole sample
+  std::string path_;  ///< the path of this struct in the sample; empty for the whole sample
 };
 
 /// A whole sample.
@@ -93,9 +95,9 @@ class Sample : public View {
   explicit Sample(const std::shared_ptr<const HeldSample>& held) : View(held, held->sample().view(), {}) {}
 };
 
-/// Returns text of a message, which need not be UTF-8.
+/// Returns a text of a message as a Python string. The text may be invalid UTF-8.
 py::str text_of(std::string_view text);
-/// "sensor_msgs/PointCloud2" for "sensor_msgs::msg::PointCloud2"
+/// Returns "sensor_msgs/PointCloud2" for "sensor_msgs::msg::PointCloud2".
 std::string short_name(std::string_view name);
 /// Adds the classes to the module.
 void define_views(py::module_& module);

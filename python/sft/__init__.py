@@ -67,7 +67,7 @@ def find_service(name, directories=()):
 
 
 def type_from_msg(name, text):
-    """Returns the type that .msg text defines. Nested messages follow behind lines of '=', as in bags."""
+    """Returns the type that .msg text defines. Nested messages follow after lines of '=', as in bags."""
     return Type(_sft.from_msg(name, text))
 
 

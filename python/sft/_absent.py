@@ -4,9 +4,9 @@ from sft._errors import AbsentError
 
 
 class Absent:
-    """Stands for a field that was not sent. Whatever needs its value raises an AbsentError that names the field.
+    """Stands for a field that was not sent. Any use of the value raises an AbsentError, which names the field.
 
-    A subscriber that names no fields has asked for it by reading it: later samples have it. `field` is its path.
+    If the subscriber names no fields, the read has requested the field, and later samples have it. `field` is its path.
     """
 
     __slots__ = ("field", "_is_recorded")

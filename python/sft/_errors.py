@@ -2,7 +2,7 @@
 
 
 class Error(RuntimeError):
-    """What SFT refuses, with the text of the library. `code` is its category, such as 'invalid_argument'."""
+    """An error of SFT, with the text of the library. `code` is its category, such as 'invalid_argument'."""
 
     # There is no __init__: the library makes exceptions on threads that Python ends, with all frames of C++ on them, if
     # they run code of Python while the interpreter ends.
@@ -16,4 +16,4 @@ class Error(RuntimeError):
 
 
 class AbsentError(Error):
-    """A field was used that the sample was sent without."""
+    """The program has used a field that the sample was sent without."""

@@ -1,4 +1,4 @@
-"""Converts values of programs to those of fields of messages, and refuses by name what does not fit."""
+"""Converts values of programs to values of fields. Errors name the field whose value does not fit."""
 
 import difflib
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 def refuse_unknown(values, names, type_name, path):
-    """Raises because a mapping has a key that is no field."""
+    """Raises an exception, because a mapping has a key that is not a field."""
     unknown = next(key for key in values if key not in names)
     near = difflib.get_close_matches(str(unknown), names, 1)
     where = f"'{path}': " if path else ""
@@ -14,8 +14,7 @@ def refuse_unknown(values, names, type_name, path):
 
 
 def fit_array(value, dtype, path):
-    """Returns an array of one dimension with this dtype, and without gaps. Elements of several dimensions are row by
-    row."""
+    """Returns a contiguous array of one dimension with this dtype. Several dimensions are flattened row by row."""
     given = _array_of(value, path)
     if given.ndim == 0:
         raise TypeError(f"'{path}' is {value!r}; a list or an array was expected")

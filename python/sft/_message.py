@@ -1,4 +1,4 @@
-"""Messages that a program owns, and what samples and messages have in common: text, copies, comparison."""
+"""Messages that a program owns, and functions for samples and messages: text, copies, comparison."""
 
 import numpy as np
 
@@ -10,10 +10,10 @@ _SHOWN = 8  # elements of arrays and lists in repr()
 
 
 class Message:
-    """A message of a type. Its fields are attributes; those that are not set are zero or empty.
+    """A message of a type. Its fields are attributes. Fields that are not set are zero or empty.
 
-    A value is checked when it is set: a TypeError or ValueError names the field, the value, and what was expected.
-    Fields with nested messages take mappings: message.header = {"frame_id": "lidar"}.
+    A value is checked when it is set. If it does not fit, a TypeError or ValueError names the field, the value, and
+    what was expected. Fields with nested messages take mappings: message.header = {"frame_id": "lidar"}.
     """
 
     __slots__ = ("_type", "_values", "_members")
@@ -79,7 +79,8 @@ class Message:
 
 
 def _message_of(nested, value):
-    """Returns a message for a mapping, so that its fields are attributes; other values as they are."""
+    """Returns a message if the value is a mapping, so that its fields are attributes. Returns other values
+    unchanged."""
     return Message(nested, **value) if isinstance(value, dict) else value
 
 
@@ -102,14 +103,14 @@ def _default(member):
 
 
 def _fields(of):
-    """Yields names and values; absent fields of a sample are named, and not asked for."""
+    """Yields names and values. For absent fields of a sample it yields an Absent, and does not request them."""
     for name in of._names:
         yield name, Absent(name, False) if of._is_absent(name) else getattr(of, name)
 
 
 def copy(of):
-    """Returns a message of the program's own with the fields of a sample, of a struct of it, or of a message. Absent
-    fields stay absent."""
+    """Returns a new message with the fields of a sample, of a struct in a sample, or of a message. Absent fields stay
+    absent."""
     return _copy_as(of._type if isinstance(of, Message) else _part(_sft.Type(of._message_type), of._type_name), of)
 
 
@@ -137,7 +138,7 @@ def _part(whole, name):
 
 
 def equal(one, other):
-    """Compares all fields of two messages or samples; arrays element by element."""
+    """Returns true if all fields of two messages or samples are equal. Arrays are compared element by element."""
     if not isinstance(other, (Message, _sft.View)):
         return NotImplemented
     if one._type_name != other._type_name:
@@ -156,7 +157,7 @@ def _equal(a, b):
 
 
 def text(of):
-    """repr(): 'PointCloud2(header=Header(...), height=1, data=<6291456 x uint8>)'."""
+    """Returns the text for repr(): 'PointCloud2(header=Header(...), height=1, data=<6291456 x uint8>)'."""
     fields = ", ".join(f"{name}={_text(value)}" for name, value in _fields(of))
     return f"{of._type_name.rpartition('/')[2]}({fields})"
 

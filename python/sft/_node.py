@@ -30,7 +30,7 @@ _calling = contextvars.ContextVar("calling", default=None)  # the subscriber who
 
 
 def _end():
-    """Closes what is open before the interpreter ends, so that no thread is in the library any more."""
+    """Closes everything that is open before the interpreter ends, so that no thread is in the library any more."""
     _Background.join_s = 2  # a callback that never returns does not keep the interpreter from ending
     try:
         for node in list(_open_nodes):
@@ -43,7 +43,7 @@ def _end():
 
 
 def _forget():
-    """A forked process leaves the nodes and threads of its parent alone."""
+    """Makes a forked process forget the nodes and threads of its parent, which it must not use."""
     _sft.forget_threads(len(_open_nodes) > 0)
     _open_nodes.clear()
 
@@ -53,7 +53,7 @@ os.register_at_fork(after_in_child=_forget)
 
 
 def _show_failure(of):
-    """Shows the exception of a callback; the next call follows nevertheless."""
+    """Shows the exception of a callback. Later calls are not affected."""
     print(f"sft: exception in the callback of {of}:", file=sys.stderr)
     traceback.print_exc()
 
@@ -80,7 +80,7 @@ class _Background:
 
 
 class Node:
-    """Joins the domain. It closes at the end of a `with` block, by close(), or with the interpreter.
+    """Joins the domain. The node is closed at the end of a `with` block, by close(), or with the interpreter.
 
     Arguments: name, namespace, remap, domain, transport ('automatic', 'shm', 'udp'), peers, interfaces,
     multicast_discovery, use_sim_time, daemon_path, daemon_idle_exit [s]; log(level, text), and log_level: 'debug',
@@ -126,7 +126,7 @@ class Node:
             self._node.close()
 
     def interrupt(self):
-        """Ends all waits in this node, now and from now on."""
+        """Ends all present and later waits in this node."""
         self._node.interrupt()
 
     @property
@@ -138,7 +138,7 @@ class Node:
         return _sft.Type(self._node.find_type(topic, timeout))
 
     def topics(self):
-        """Returns the known topics: dicts with topic, type, publishers and subscribers (names of nodes)."""
+        """Returns the known topics as dicts with topic, type, publishers and subscribers (names of nodes)."""
         return self._node.topics()
 
     def snapshot(self):
@@ -150,7 +150,7 @@ class Node:
         return self._node.now_ns()
 
     def publisher(self, topic, type=None, *, on_event=None, **options):
-        """Opens a publisher. `type` is an sft.Type or the name of one; None: the type that others have announced.
+        """Opens a publisher. `type` is an sft.Type or its name. None: the type that other nodes have announced.
 
         Options: reliable, transient_local, history_depth, deadline [s], lifespan [s], max_blocking [s],
         manual_liveliness, liveliness_lease [s], max_sample_bytes, max_bytes_per_s, resend_bytes,
@@ -163,8 +163,8 @@ class Node:
     def subscriber(self, topic, type=None, fields=None, callback=None, *, on_event=None, **options):
         """Opens a subscriber.
 
-        `fields` names what is needed: "height, data{x,y,z}[::2] @ at most 10 Hz", or "*" for all. Without it the
-        fields that the program reads are recorded, and the subscriber is soon sent only these. `callback(sample)` is
+        `fields` names what is needed: "height, data{x,y,z}[::2] @ at most 10 Hz", or "*" for all. Without `fields`, SFT
+        records the fields that the program reads, and soon sends the subscriber only these. `callback(sample)` is
         called by a thread of the subscriber; it may be a coroutine function if an event loop of asyncio runs now.
 
         Options: reliable, transient_local, depth, depth_bytes, max_rate_hz, max_held, deadline [s],
@@ -181,15 +181,15 @@ class Node:
         """Opens the server of a service: handler(request) returns the response, as a message or a mapping.
 
         `type` is the name of a type, "std_srvs/SetBool", or that of sft.find_service(). The handler runs on a thread of
-        the service, for one request at a time. Clients are told what it raises; other exceptions than an sft.Error are
-        shown here, too. Options are those of the publisher of replies.
+        the service, for one request at a time. Its exceptions are sent to the client. Exceptions other than sft.Error
+        are also printed here. Options are those of the publisher of replies.
         """
         from sft._service import Service
         return Service(self, name, self._service_type(name, type), handler, options)
 
     def client(self, name, type=None, **options):
-        """Opens a client of a service; the server may come later. `type` None: the type that a server has announced.
-        Options are those of the publisher of calls."""
+        """Opens a client of a service. The server may start later. If `type` is None, the type that a server announces
+        is used. Options are those of the publisher of calls."""
         from sft._service import Client
         return Client(self, name, self._service_type(name, type), options)
 
@@ -209,7 +209,7 @@ class Node:
 
     @contextlib.contextmanager
     def _callback(self, function):
-        """Gives the number of a callback for events. It is forgotten if the endpoint cannot be opened."""
+        """Yields the number of a callback for events. Removes the callback if the endpoint cannot be opened."""
         if function is None:
             yield 0
             return
@@ -236,7 +236,7 @@ class Node:
 
 
 class _Endpoint:
-    """What publishers and subscribers have in common. They keep their node open."""
+    """The common base of publishers and subscribers. They keep their node open."""
 
     def __init__(self, node, opened, topic, events_to):
         self._node = node
@@ -261,7 +261,7 @@ class _Endpoint:
         return _sft.Type(self._opened.type())
 
     def close(self):
-        """Ends it. Samples and arrays stay valid."""
+        """Closes the endpoint. Samples and arrays stay valid."""
         self._node._endpoints.discard(self)
         self._opened.close()
         self._forget_callback()
@@ -280,13 +280,13 @@ class Publisher(_Endpoint):
         return self._opened.publish(fields if message is None else message)
 
     def publish_cdr(self, payload):
-        """Publishes an encoded message: bytes with 4 bytes of encapsulation, as bags have it."""
+        """Publishes an encoded message: 4 bytes of encapsulation and the body, as in bags."""
         return self._opened.publish_cdr(memoryview(payload).cast("B"))
 
     def loan(self, *, for_overwrite=False, **fields):
         """Returns a message that is filled in its memory: with publisher.loan(height=480, data=921600) as image.
 
-        A number in place of a sequence of numbers says how many elements it will have. They are zero, or with
+        A number in place of a sequence of numbers is its number of elements. The elements are zero, or with
         `for_overwrite` whatever the memory contained: write them all. The end of the `with` block publishes it; an
         exception gives it back. Other lists and texts are as given.
         """
@@ -298,7 +298,7 @@ class Publisher(_Endpoint):
         return self._opened.wait_for_subscribers(count, timeout)
 
     def assert_liveliness(self):
-        """Says that the publisher is alive, where manual_liveliness is set."""
+        """Asserts that the publisher is alive. Needed if manual_liveliness is set."""
         self._opened.assert_liveliness()
 
     def status(self):
@@ -310,8 +310,8 @@ class Loan:
     """A message in the memory from which readers will read it. Numbers and arrays of numbers are attributes: arrays
     are writable, and `loan.data[:] = pixels` fills one. loan["header.stamp.sec"] takes a path.
 
-    If a name still refers to such an array when the loan is published, a copy is published, since what the name can
-    write must not change a sample; a RuntimeWarning says so.
+    If a name still refers to such an array when the loan is published, a copy is published, because the program
+    could otherwise change the sample through the name. In this case there is a RuntimeWarning.
     """
 
     __slots__ = ("_loan", "_prefix")
@@ -330,7 +330,7 @@ class Loan:
             self.publish()
 
     def publish(self):
-        """Publishes it, and returns False if a reader misses the sample."""
+        """Publishes the message. Returns False if a reader misses the sample."""
         sent = self._loan.publish()
         if self._loan.was_copied:
             warnings.warn("a copy of the loan was published, since a name refers to one of its arrays: write "
@@ -338,7 +338,7 @@ class Loan:
         return sent
 
     def discard(self):
-        """Gives the memory back."""
+        """Releases the memory without publishing the message."""
         self._loan.discard()
 
     def __getitem__(self, path):
@@ -364,8 +364,8 @@ class Loan:
 class Subscriber(_Endpoint):
     """Receives samples of a topic: by take(), `for`, `async for`, or a callback. Any thread may take.
 
-    A sample, and each array over it, keeps its place in shared memory. A subscriber may hold max_held samples of a
-    publisher (256); then it gets no more of them until some are gone. sample.copy() holds nothing.
+    A sample stays in shared memory as long as the program holds it or an array over it. A subscriber may hold max_held
+    samples of a publisher (256). Further samples are not received until some are released. sample.copy() holds nothing.
     """
 
     def __init__(self, node, opened, topic, events_to, callback):
@@ -387,7 +387,7 @@ class Subscriber(_Endpoint):
         """Returns the oldest sample that was not taken yet, or None."""
 
     def take_latest(self):
-        """Returns the newest sample, or None; older ones are skipped."""
+        """Returns the newest sample, or None. Older samples are skipped."""
         return self._opened.take_latest()
 
     def wait(self, timeout=None):
@@ -414,14 +414,15 @@ class Subscriber(_Endpoint):
             return None
 
     def fileno(self):
-        """Returns a file descriptor that is readable while there is a sample to take; wait on it, do not read it."""
+        """Returns a file descriptor that is readable while there is a sample to take. Wait on it, but do not read from
+        it."""
         fd = self._opened.file_descriptor()
         if fd < 0:
             raise ValueError(f"{self!r} has no file descriptor: open it with pollable=True and without a callback")
         return fd
 
     def set_selection(self, fields, which=0):
-        """Asks for other fields, parts or conditions."""
+        """Requests other fields, parts or conditions."""
         self._opened.set_selection(fields, which)
 
     def set_max_rate_hz(self, max_rate_hz, which=0):
@@ -430,7 +431,7 @@ class Subscriber(_Endpoint):
 
     @property
     def requested(self):
-        """What it asks for at present, as text for `fields`."""
+        """The selection that is requested at present, as text for `fields`."""
         return self._opened.requested()
 
     @property
@@ -443,7 +444,8 @@ class Subscriber(_Endpoint):
         return self._opened.status(which)
 
     def close(self):
-        """Ends it: no callback runs any more, unless this is called in the callback. Samples and arrays stay valid."""
+        """Closes the subscriber. After that, no callback runs, unless close() was called in the callback. Samples and
+        arrays stay valid."""
         self._node._called_back.discard(self)
         if self._thread:
             within = _calling.get() is self  # a coroutine is neither waited for nor cancelled by itself
@@ -516,7 +518,7 @@ class Subscriber(_Endpoint):
         await coroutine
 
     def _finish(self, running):
-        """Waits for a coroutine, which is cancelled if the subscriber is closed meanwhile by others."""
+        """Waits for a coroutine. Cancels it if the subscriber is closed meanwhile by other code."""
         while not running.done():
             concurrent.futures.wait([running], 0.1)
             if self._loop.is_closed():

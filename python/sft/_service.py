@@ -20,7 +20,7 @@ def _end_of(service, error):
 
 
 class _Ends:
-    """What both sides have in common: a publisher and a subscriber."""
+    """The common base of both sides: a publisher and a subscriber."""
 
     def __repr__(self):
         return f"<sft.{type(self).__name__} of '{self.name}'>"
@@ -32,7 +32,7 @@ class _Ends:
         self.close()
 
     def close(self):
-        """Ends it."""
+        """Closes this side of the service."""
         self._subscriber.close()
         self._publisher.close()
 
@@ -82,7 +82,7 @@ class Service(_Ends):
 
 
 class Client(_Ends):
-    """A client of a service. One thread at a time uses it. See Node.client()."""
+    """A client of a service. It must be used by only one thread at a time. See Node.client()."""
 
     def __init__(self, node, name, type, options):
         self.name = name

@@ -25,7 +25,7 @@ def _class_name(type, others):
 
 
 def stubs(types):
-    """Returns the text of a .pyi file with a class for each of the types, and for what is nested in them."""
+    """Returns the text of a .pyi file with a class for each of the types and each of their nested types."""
     names, classes = {}, []
 
     def add(type, base):

@@ -52,6 +52,7 @@ class ChunkSlots {
 
   bool empty() const { return free_ == nullptr; }
   bool all_back() const { return out_ == 0; }
+  std::uint32_t out() const { return out_; }
 
   ChunkSlot* take() noexcept {
     ChunkSlot* slot = free_;

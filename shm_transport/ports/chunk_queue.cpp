@@ -1,6 +1,7 @@
 #include "shm_transport/ports/chunk_queue.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "shm_transport/host/chunk_hand.h"
@@ -31,12 +32,17 @@ std::uint64_t ChunkQueue::waiting() const noexcept {
 }
 
 /// Returns the number of samples that can still be taken from a queue that is not open.
-std::uint64_t ChunkQueue::remaining() const noexcept { return lost_ ? kept_.size() - kept_taken_ : arrived_; }
+std::uint64_t ChunkQueue::remaining() const noexcept { return kept_.size() - kept_taken_ + arrived_; }
 
-/// Takes the oldest chunk out of the queue, and returns it; null if the queue is empty.
+/// Returns the oldest chunk, which is not in the queue any more; null if there is none.
 iox::mepoo::ChunkHeader* ChunkQueue::pop() noexcept {
-  if (lost_) return kept_[kept_taken_++];
+  if (kept_taken_ < kept_.size()) return kept_[kept_taken_++];
   if (!open_) --arrived_;
+  return get();
+}
+
+/// Borrows the oldest chunk of the queue; null if the queue is empty.
+iox::mepoo::ChunkHeader* ChunkQueue::get() noexcept {
   const ChunkInHand hand(data_);
   // The overflow is queried before the chunk is taken, because an overflow after that may concern samples
   // that follow this chunk.
@@ -64,7 +70,7 @@ bool ChunkQueue::some_wait() const noexcept {
 /// arrives in a full queue does not change this sum, so the number of overflows is added.
 std::uint64_t ChunkQueue::arrivals() noexcept {
   const core::Lock lock(mutex_);
-  if (lost_) return popped_ + overflows_ + remaining();
+  if (!open_) return popped_ + overflows_ + remaining();
   if (port_.hasLostChunksSinceLastCall()) {
     overflow_is_unreported_ = true;
     ++overflows_;
@@ -88,7 +94,22 @@ void ChunkQueue::close() noexcept {
   // The writer continues to deliver until the daemon has disconnected it, so only the samples that wait now
   // are counted.
   arrived_ = waiting();
+  keep_arrived();
   port_.unsubscribe();
+}
+
+/// Takes the chunks that have arrived out of the queue, as far as iceoryx lets a reader hold so many. A chunk
+/// in a queue does not tell its size.
+void ChunkQueue::keep_arrived() noexcept {
+  while (arrived_ > 0 && slots_.out() + kept_.size() < iox::MAX_CHUNKS_HELD_PER_SUBSCRIBER_SIMULTANEOUSLY) {
+    iox::mepoo::ChunkHeader* const chunk = get();
+    if (chunk == nullptr) {
+      arrived_ = 0;
+      return;
+    }
+    --arrived_;
+    kept_.push_back(chunk);
+  }
 }
 
 std::uint64_t ChunkQueue::left() const noexcept {
@@ -96,17 +117,22 @@ std::uint64_t ChunkQueue::left() const noexcept {
   return open_ ? 0 : remaining();
 }
 
+std::uint64_t ChunkQueue::bytes_left() const noexcept {
+  const core::Lock lock(mutex_);
+  return std::accumulate(kept_.begin() + static_cast<std::ptrdiff_t>(kept_taken_), kept_.end(),
+                         std::uint64_t{0}, [](std::uint64_t bytes, const iox::mepoo::ChunkHeader* chunk) {
+                           return bytes + chunk->userPayloadSize();
+                         });
+}
+
 bool ChunkQueue::drop_oldest() noexcept {
   const core::Lock lock(mutex_);
   if (open_ || remaining() == 0) return false;
-  if (lost_) {
-    ++kept_taken_;
-    return true;
-  }
-  --arrived_;
+  // If too many chunks are held already, iceoryx itself gives the chunk back.
+  iox::mepoo::ChunkHeader* const chunk = pop();
+  if (lost_ || chunk == nullptr) return true;
   const ChunkInHand hand(data_);
-  // If too many chunks are held already, iceoryx itself gives this chunk back.
-  if (auto chunk = port_.tryGetChunk(); !chunk.has_error()) port_.releaseChunk(chunk.value());
+  port_.releaseChunk(chunk);
   return true;
 }
 
@@ -115,7 +141,7 @@ void ChunkQueue::lose(SessionMember::Loss loss) noexcept {
   if (std::exchange(lost_, true)) return;
   const bool was_open = std::exchange(open_, false);
   if (loss == SessionMember::Loss::before) return;
-  std::uint64_t arrived = was_open ? waiting() : arrived_;
+  std::uint64_t arrived = was_open ? waiting() : std::exchange(arrived_, 0);
   overflow_is_unreported_ |= port_.hasLostChunksSinceLastCall();
   iox::popo::ChunkQueuePopper<iox::popo::SubscriberPortData::ChunkQueueData_t> popper(
       &data_.m_chunkReceiverData);

@@ -53,6 +53,8 @@ class ChunkQueue {
   void close() noexcept;
   /// Returns the number of samples that remain to be taken after close() or lose(); 0 before these calls.
   std::uint64_t left() const noexcept;
+  /// Returns the bytes of these samples.
+  std::uint64_t bytes_left() const noexcept;
   /// Drops the oldest of the samples that remain after close() or lose(). Returns false if no sample
   /// remains.
   bool drop_oldest() noexcept;
@@ -64,6 +66,8 @@ class ChunkQueue {
   std::uint64_t waiting() const noexcept SFT_REQUIRES(mutex_);
   std::uint64_t remaining() const noexcept SFT_REQUIRES(mutex_);
   iox::mepoo::ChunkHeader* pop() noexcept SFT_REQUIRES(mutex_);
+  iox::mepoo::ChunkHeader* get() noexcept SFT_REQUIRES(mutex_);
+  void keep_arrived() noexcept SFT_REQUIRES(mutex_);
 
   iox::popo::SubscriberPortData& data_;
   mutable core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::jobs);  ///< never held over a system call
@@ -72,9 +76,10 @@ class ChunkQueue {
   bool open_ SFT_GUARDED_BY(mutex_) = true;  ///< true if the queue is neither closed nor lost
   /// True if the session is lost, and iceoryx must not be used any more.
   bool lost_ SFT_GUARDED_BY(mutex_) = false;
-  /// The number of samples that had arrived at close() and are not yet taken.
+  /// The number of samples that had arrived at close(), are not in `kept_`, and are not yet taken.
   std::uint64_t arrived_ SFT_GUARDED_BY(mutex_) = 0;
-  /// The chunks that had arrived at lose(), of which the first `kept_taken_` are taken.
+  /// The chunks that had arrived at close() or lose(), of which the first `kept_taken_` are taken. Before
+  /// lose(), the port counts them as borrowed.
   std::vector<iox::mepoo::ChunkHeader*> kept_ SFT_GUARDED_BY(mutex_);
   std::size_t kept_taken_ SFT_GUARDED_BY(mutex_) = 0;
   std::uint64_t popped_ SFT_GUARDED_BY(mutex_) = 0;     ///< number of chunks taken out of the queue

@@ -38,6 +38,8 @@ ChunkBorrower::ChunkBorrower(std::shared_ptr<Session> session, iox::popo::Subscr
 /// writer delivers to the port any more.
 ChunkBorrower::~ChunkBorrower() {
   close();
+  while (queue_.drop_oldest()) {
+  }
   session_->retire(&queue_.port());
 }
 
@@ -170,10 +172,20 @@ SampleHandle ShmReaderPort::take_what_was_left(Writers& drained) noexcept {
 }
 
 void ShmReaderPort::drop_excess() noexcept {
-  std::uint64_t left = 0;
-  for (const auto& writer : departed_) left += writer->left();
+  std::uint64_t left = 0, bytes = 0;
   for (const auto& writer : departed_) {
-    for (; left > depth() && writer->left() > 0; --left) writer->drop_oldest();
+    left += writer->left();
+    bytes += writer->bytes_left();
+  }
+  const auto are_too_many = [&] {
+    return left > depth() || (spec_.depth_bytes != 0 && bytes > spec_.depth_bytes && left > 1);
+  };
+  for (const auto& writer : departed_) {
+    for (; are_too_many() && writer->left() > 0; --left) {
+      const std::uint64_t before = writer->bytes_left();
+      writer->drop_oldest();
+      bytes -= before - std::min(before, writer->bytes_left());
+    }
   }
 }
 

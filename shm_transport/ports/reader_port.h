@@ -4,9 +4,9 @@
 // Samples that arrived before the session was lost can still be taken.
 //
 // Samples of a writer from which the reader was disconnected can still be taken, and are taken before the
-// samples of other writers. At most `depth` samples of all such writers are kept, because a publisher that
-// is restarted again and again while no thread takes samples must not use up the chunks and ports of the
-// daemon. The oldest samples are dropped, and are counted.
+// samples of other writers. At most `depth` samples and `depth_bytes` of all such writers are kept, because a
+// publisher that is restarted again and again while no thread takes samples must not use up the chunks and
+// ports of the daemon. The oldest samples are dropped, and are counted.
 #pragma once
 
 #include <algorithm>
@@ -65,6 +65,7 @@ class ChunkBorrower final : public core::BufferOwner,
   void close() noexcept { queue_.close(); }
   /// Returns the number of samples that remain to be taken once open() is false; 0 until then.
   std::uint64_t left() const noexcept { return queue_.left(); }
+  std::uint64_t bytes_left() const noexcept { return queue_.bytes_left(); }
   /// Drops the oldest remaining sample once open() is false. Does nothing until then.
   void drop_oldest() noexcept;
   /// Returns the number of missing samples that no gap in the sequence numbers shows.

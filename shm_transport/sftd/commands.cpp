@@ -6,7 +6,9 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
+#include <system_error>
 
 #include "core/platform/clock.h"
 #include "shm_transport/sftd/running_daemon.h"
@@ -63,7 +65,10 @@ ExitCode print_status(bool as_json) {
   if (!daemon) return print_error(daemon.error().code, daemon.error().reason);
   const auto status = read_status_file(daemon->user());
   if (status) fmt::print("{}", as_json ? to_json(*status) : to_table(*status, core::realtime_ns()));
-  std::fflush(stdout);
+  if (std::fflush(stdout) != 0) {
+    return print_error(ExitCode::failed,
+                       "the status cannot be written: " + std::generic_category().message(errno));
+  }
   const std::string reason = why_it_does_not_answer(*daemon, status);
   if (reason.empty() && !daemon->problem().empty()) return print_error(ExitCode::done, daemon->problem());
   return reason.empty() ? ExitCode::done

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include "core/platform/text_file.h"
+
 namespace sft::shm {
 
 namespace {
@@ -176,13 +178,13 @@ Config read_file(const toml::table& table, FirstError& first_error) {
 }  // namespace
 
 Result<Config> read_config(const std::string& file) {
+  const Result<std::string> text = core::read_text_file(file);
+  if (!text) return tl::unexpected(text.error());
   FirstError first_error(file);
   try {
-    const Config config = read_file(toml::parse_file(file), first_error);
+    const Config config = read_file(toml::parse(*text, file), first_error);
     if (first_error.text().empty()) return config;
   } catch (const toml::parse_error& error) {
-    if (error.source().begin.line == 0)
-      return fail(Errc::unavailable, file + ": " + std::string(error.description()));
     first_error.add(error.source(), "",
                     std::string(error.description()) + ": correct it, see https://toml.io");
   }

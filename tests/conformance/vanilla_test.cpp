@@ -1,7 +1,7 @@
-// The suite with writers of plain DDS, which know nothing of SFT, and with readers of plain DDS. What such
-// writers send comes to a subscriber by the DDS reader and the inlet that hear them; what a publisher sends
-// goes to such readers by its outlet. Each writer has a topic of its own, so that a reader is connected to
-// those writers that it names. conformance.md says which tests DDS cannot pass.
+// The suite with writers and readers of plain DDS, which know nothing of SFT. A subscriber receives the
+// samples of such a writer through its DDS reader and its inlet. A publisher sends samples to such readers
+// through its outlet. Each writer has its own topic, so that a reader is connected only to the writers that
+// it names. conformance.md says which tests DDS cannot pass.
 #include <dds/dds.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Arbitrary bytes as an MCAP file: whatever can be read is read, and nothing is read beyond it. An error has
-// words that name what is wrong.
+// Arbitrary bytes as an MCAP file. Everything that can be read is read, and no byte beyond the file is
+// accessed. Each error has a text that names the fault.
 #include <sys/mman.h>
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-// Two hosts with honest programs, a third one for attackers on the network, and the checks of the honest
+// Two hosts with honest programs, a third host for attackers on the network, and the checks of the honest
 // programs: they stay alive, samples arrive while an act lasts, and soon after the act all pairs are served
 // as before.
 #pragma once

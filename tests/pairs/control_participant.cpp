@@ -69,10 +69,9 @@ core::IpAddress address_of(const std::string& interface) {
 ControlParticipant::ControlParticipant(dds_domainid_t domain, const std::string& interface,
                                        core::ProcessId process)
     : process_(process) {
-  socket_ = core::HeartbeatSocket::open({.ip = address_of(interface),
-                                         .index = if_nametoindex(interface.c_str()),
-                                         .port = heartbeat_port_of_domain_0,
-                                         .reaches_own_host = true});
+  socket_ = core::HeartbeatSocket::open(
+      {.ip = address_of(interface), .reaches_own_host = true, .index = if_nametoindex(interface.c_str())},
+      heartbeat_port_of_domain_0);
   if (!socket_) throw std::runtime_error("no socket for heartbeats on " + interface);
   participant_ = checked(dds_create_participant(domain, nullptr, nullptr));
   dds_guid_t guid{};

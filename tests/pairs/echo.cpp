@@ -2,6 +2,7 @@
 
 #include <ranges>
 #include <stdexcept>
+#include <variant>
 
 namespace sft::test {
 
@@ -34,7 +35,10 @@ Echo::Echo() {
 }
 
 void Echo::repeat() {
-  discovery_->take_events(*this);
+  for (const core::DiscoveryEvent& event : discovery_->take_events()) {
+    if (const auto* const seen = std::get_if<core::EndpointSeen>(&event)) endpoints_.push_back(**seen);
+    if (const auto* const request = std::get_if<core::Request>(&event)) requests_.push_back(*request);
+  }
   for (const core::Request& request : requests_ | std::views::reverse) discovery_->send(request);
   for (const core::Endpoint& endpoint : endpoints_ | std::views::reverse) discovery_->announce(endpoint);
   discovery_->announce(marker_like(endpoints_.at(0)));

@@ -2,16 +2,14 @@
 // caches may also repeat old messages, though not so many.
 #pragma once
 
-#include <cstdint>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "core/discovery/discovery.h"
 
 namespace sft::test {
 
-class Echo final : private core::DiscoveryListener {
+class Echo final {
  public:
   Echo();
 
@@ -21,13 +19,6 @@ class Echo final : private core::DiscoveryListener {
   void repeat();
 
  private:
-  void endpoint_seen(const core::Endpoint& endpoint) override { endpoints_.push_back(endpoint); }
-  void endpoint_departed(core::EndpointId) override {}
-  void endpoint_lost(core::EndpointId) override {}
-  void request_received(const core::Request& request) override { requests_.push_back(request); }
-  void report_received(const core::NodeReport&) override {}
-  void log_news(News, const std::string&, std::uint64_t) override {}
-
   std::vector<core::Endpoint> endpoints_;
   std::vector<core::Request> requests_;
   std::unique_ptr<core::Discovery> discovery_;

@@ -1,4 +1,4 @@
-"""What the tests of the Python package share. Each file of tests runs on an isolated host."""
+"""Fixtures for all tests of the Python package. Each file of tests runs on an isolated host."""
 
 import time
 
@@ -7,7 +7,7 @@ import pytest
 
 import sft
 
-HANG_S = 15  # a wait that takes longer counts as failed
+HANG_S = 60  # a wait that takes longer counts as failed
 
 
 class Pair:

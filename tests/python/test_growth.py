@@ -1,4 +1,4 @@
-"""What programs keep, drop, open and close again and again takes no memory, files or threads for ever.
+"""Objects that programs open and close repeatedly must not leave memory, files or threads behind.
 
 Each test does its work SFT_TEST_TIMES times as often as usual; ./run soak sets it.
 """

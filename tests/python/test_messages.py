@@ -1,4 +1,4 @@
-"""Values of Python in messages: what fits arrives, what does not is refused by its path, and messages are values."""
+"""Python values in messages. Values that fit arrive unchanged. Others are refused, and the error names their path."""
 
 import ast
 import copy

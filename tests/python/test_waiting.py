@@ -18,7 +18,7 @@ from conftest import HANG_S, eventually
 CLOCK = "builtin_interfaces/Time"
 
 
-def run(program, timeout=60):
+def run(program, timeout=120):
     return subprocess.run([sys.executable, "-c", program], timeout=timeout, capture_output=True, text=True)
 
 
@@ -111,7 +111,7 @@ except KeyboardInterrupt:
     assert eventually(lambda: Path(f"/proc/{child.pid}/stat").read_text().rsplit(")", 1)[1].split()[0] == "S")
     child.send_signal(signal.SIGINT)
     before = time.monotonic()
-    out, _ = child.communicate(timeout=30)
+    out, _ = child.communicate(timeout=HANG_S)
     assert out == "interrupted\n" and child.returncode == 0 and time.monotonic() - before < 5
 
 
@@ -342,9 +342,9 @@ if child == 0:
     with sft.Node("child", transport="udp") as node:
         publisher = node.publisher("t", "builtin_interfaces/Time")
         subscriber = node.subscriber("t", "builtin_interfaces/Time")
-        assert publisher.wait_for_subscribers(1, 10)
+        assert publisher.wait_for_subscribers(1, HANG_S)
         publisher.publish(sec=5)
-        os._exit(subscriber.wait_for_sample(10).sec)
+        os._exit(subscriber.wait_for_sample(HANG_S).sec)
 print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 """)
     assert done.stdout == "5\n", done.stderr
@@ -356,7 +356,7 @@ node = sft.Node("exit", transport="udp")
 subscriber = node.subscriber("t", "builtin_interfaces/Time", callback=lambda sample: got.append(sample))
 got = []
 publisher = node.publisher("t", "builtin_interfaces/Time")
-publisher.wait_for_subscribers(1, 10)
+publisher.wait_for_subscribers(1, 60)
 waiting = node.subscriber("u", "builtin_interfaces/Time")
 threading.Thread(target=waiting.wait, daemon=True).start()
 def publish():
@@ -385,9 +385,9 @@ def callback(sample):
 node = sft.Node("exit", transport="udp")
 subscriber = node.subscriber("t", "builtin_interfaces/Time", callback=callback)
 publisher = node.publisher("t", "builtin_interfaces/Time")
-publisher.wait_for_subscribers(1, 10)
+publisher.wait_for_subscribers(1, 60)
 publisher.publish(sec=1)
-print(called.wait(10))
+print(called.wait(60))
 """)
     assert done.returncode == 0 and done.stdout == "True\n", done.stderr
 
@@ -397,13 +397,13 @@ def test_another_process_publishes_and_its_type_is_found(pair):
 import sft
 with sft.Node("child", transport="{pair.transport}", daemon_idle_exit=5) as node:
     publisher = node.publisher("images", "sensor_msgs/Image")
-    print(publisher.wait_for_subscribers(1, 30), flush=True)
+    print(publisher.wait_for_subscribers(1, 60), flush=True)
     with publisher.loan(height=2, width=3, step=3, encoding="mono8", data=6) as loan:
         loan.data[:] = range(6)
     input()
 """], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-    subscriber = pair.nodes[1].subscriber("images")
+    subscriber = pair.nodes[1].subscriber("images", pair.nodes[1].find_type("images", HANG_S))
     sample = subscriber.wait_for_sample(HANG_S)
     assert sample.info.transport == pair.transport and sample.image().tolist() == [[0, 1, 2], [3, 4, 5]]
-    child.communicate("\n", timeout=30)
+    child.communicate("\n", timeout=HANG_S)
     assert child.returncode == 0 and sample.data[5] == 5

@@ -1,5 +1,5 @@
-"""Lists generated types in several C++ files: as test::contestants(), with what stock idlc makes of them
-(contestant.h), or without --cyclone as test::generated_types() (message_types.h)."""
+"""Writes C++ files that list generated types: as test::contestants(), together with the types that the original idlc
+makes (contestant.h), or without --cyclone as test::generated_types() (message_types.h)."""
 import argparse
 import pathlib
 import re

@@ -1,4 +1,4 @@
-// The memory that an allocator has given out, by which tests find what is kept for ever.
+// Measures allocated memory, so that tests can find memory that is never freed.
 #pragma once
 
 #include <malloc.h>
@@ -7,15 +7,15 @@
 
 namespace sft::test {
 
-/// Returns the bytes that all threads have allocated and not freed. Under a sanitizer, which has an allocator
-/// of its own, the number does not change.
+/// Returns the number of bytes that all threads have allocated and not freed. Under a sanitizer, which has
+/// its own allocator, the number does not change.
 inline std::ptrdiff_t heap_bytes() {
   const struct mallinfo2 heap = mallinfo2();
   return static_cast<std::ptrdiff_t>(heap.uordblks + heap.hblkhd);
 }
 
-/// Returns how many bytes ten thousand rounds leave behind. A hundred rounds before them allocate what is
-/// used again.
+/// Calls `round` ten thousand times, and returns the number of bytes that these rounds have allocated and
+/// not freed. A hundred earlier rounds allocate the memory that later rounds reuse.
 template <class Round>
 std::ptrdiff_t bytes_left_by(Round round) {
   for (int i = 0; i < 100; ++i) round();
@@ -24,7 +24,8 @@ std::ptrdiff_t bytes_left_by(Round round) {
   return heap_bytes() - before;
 }
 
-/// Ten thousand rounds leave more than these bytes if each of them leaves the smallest block.
+/// The limit for bytes_left_by(). If each round leaves only the smallest block, ten thousand rounds leave
+/// more bytes.
 inline constexpr std::ptrdiff_t nothing_left = 10'000;
 
 }  // namespace sft::test

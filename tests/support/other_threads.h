@@ -26,9 +26,10 @@ inline bool all_other_threads_sleep() {
   });
 }
 
-/// Returns the names of all threads of the process. A thread sets its name shortly after it was started, and
-/// has that of the process before, which the main thread keeps. So this waits until all have their own, but
-/// not for ever, since sanitizers have a thread without one.
+/// Returns the names of all threads of the process. A new thread first has the name of the process, which
+/// the main thread keeps, and then sets its own name. So this function waits until all other threads have
+/// their own names. It waits for at most five seconds, since a sanitizer has a thread without a name of its
+/// own.
 inline std::multiset<std::string> names_of_threads() {
   const auto name_in = [](const std::filesystem::path& folder) {
     std::string name;

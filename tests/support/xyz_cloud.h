@@ -1,4 +1,4 @@
-// Clouds of which some channels of some points are requested.
+// Clouds for tests in which subscribers request some channels of some points.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@ namespace sft::test {
 
 inline constexpr std::uint32_t points = 4000, point_bytes = 16;
 
-/// A cloud with x, y, z and intensity of each point, with the number as its stamp.
+/// Returns a cloud with x, y, z and intensity of each point. Its stamp is `number`.
 inline sensor_msgs::msg::PointCloud2 xyz_cloud(std::uint32_t number) {
   sensor_msgs::msg::PointCloud2 cloud;
   cloud.header.stamp.sec = static_cast<std::int32_t>(number);
@@ -25,7 +25,7 @@ inline sensor_msgs::msg::PointCloud2 xyz_cloud(std::uint32_t number) {
   return cloud;
 }
 
-/// The bytes of x, y and z of every fourth point.
+/// Returns the bytes of x, y and z of every fourth point.
 inline std::vector<std::uint8_t> thinned(const sensor_msgs::msg::PointCloud2& cloud) {
   std::vector<std::uint8_t> bytes;
   for (std::size_t point = 0; point < points; point += 4) {

@@ -1,4 +1,5 @@
-// An unmodified DDS writer on one host and an unmodified reader on another, with a bridge beside each.
+// An unmodified DDS writer on one host and an unmodified DDS reader on another host, with a bridge on each
+// of the hosts.
 #include <sft/json.h>
 #include <sft/msg_text.h>
 #include <atomic>

@@ -1,5 +1,8 @@
 // The actions that a program may take in its callbacks. Each row of the table in docs/guide.md is tried in
 // each kind of callback, and on a thread for which the callback waits.
+#include <array>
+#include <atomic>
+#include <barrier>
 #include <condition_variable>
 #include <cstdlib>
 #include <fstream>
@@ -264,6 +267,36 @@ TEST_P(CallbackRulesTest, AnEventDestroysASubscriberWhoseCallbackAsksForTopicsMe
   const auto match = there.subscriber<PointCloud2>("points").value();
   EXPECT_TRUE(eventually([&] { return is_destroyed.load(); }));
   EXPECT_TRUE(has_asked) << "the destructor waits for the callback";
+}
+
+/// The events of two nodes run on two threads. Each of them destroys what the other one belongs to.
+TEST_P(CallbackRulesTest, EventsOfTwoNodesDestroyEachOthersNodesAtTheSameTime) {
+  std::array<std::optional<Node>, 2> nodes{open("first"), open("second")};
+  std::array<std::optional<Publisher<PointCloud2>>, 2> publishers;
+  std::array<std::atomic<bool>, 2> is_called{};
+  std::atomic<int> ended{0};
+  std::barrier both(2);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    publishers[i] =
+        nodes[i]
+            ->publisher<PointCloud2>("points_" + std::to_string(i), {.on_event =
+                                                                         [&, i](const Event&) {
+                                                                           if (is_called[i].exchange(true))
+                                                                             return;
+                                                                           both.arrive_and_wait();
+                                                                           publishers[1 - i].reset();
+                                                                           nodes[1 - i].reset();
+                                                                           ++ended;
+                                                                         }})
+            .value();
+  }
+  Node other = open("other");
+  const auto of_first = other.subscriber<PointCloud2>("points_0").value();
+  const auto of_second = other.subscriber<PointCloud2>("points_1").value();
+  if (!eventually([&] { return ended == 2; })) {
+    ADD_FAILURE() << "the callbacks do not return";
+    std::_Exit(1);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Ways, CallbackRulesTest, ::testing::Values(Way::shm, Way::udp), way_name);

@@ -109,23 +109,22 @@ class ControlReader final {
 
  private:
   /// The events of which the node was notified so far.
-  struct Record final : core::DiscoveryListener {
-    void endpoint_seen(const core::Endpoint& endpoint) override {
-      heard.insert(endpoint.id);
-      asked = std::max(asked, endpoint.request.sequence);
+  struct Record {
+    void operator()(const core::EndpointSeen& endpoint) {
+      heard.insert(endpoint->id);
+      asked = std::max(asked, endpoint->request.sequence);
     }
-    void endpoint_departed(core::EndpointId id) override {
-      heard.erase(id);
+    void operator()(const core::EndpointDeparted& departed) {
+      heard.erase(departed.id);
       ++gone;
     }
-    void endpoint_lost(core::EndpointId) override { ++gone; }
-    void request_received(const core::Request& request) override {
-      asked = std::max(asked, request.sequence);
-    }
-    void report_received(const core::NodeReport&) override { ++reports; }
-    void log_news(News news, const std::string& text, std::uint64_t) override {
-      if (news == News::link_renewed) renewals.push_back(text);
-      if (news == News::malformed) refused.push_back(text);
+    void operator()(const core::EndpointLost&) { ++gone; }
+    void operator()(const core::Request& request) { asked = std::max(asked, request.sequence); }
+    void operator()(const core::NodeReport&) { ++reports; }
+    void operator()(const core::VanillaChanged&) {}
+    void operator()(const core::DiscoveryNews& news) {
+      if (news.kind == core::DiscoveryNews::Kind::link_renewed) renewals.push_back(news.text);
+      if (news.kind == core::DiscoveryNews::Kind::malformed) refused.push_back(news.text);
     }
 
     std::set<core::EndpointId> heard;
@@ -135,7 +134,7 @@ class ControlReader final {
   };
   Record record() const {
     const core::Lock lock(mutex_);
-    discovery_->take_events(record_);
+    for (const core::DiscoveryEvent& event : discovery_->take_events()) std::visit(record_, event);
     return record_;
   }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
@@ -26,7 +27,9 @@ void work_for(Clock::duration time) {
 
 class FairCallbacks : public PubSubTest {
  protected:
-  void SetUp() override { camera_.emplace(source_.publisher<PointCloud2>("camera").value()); }
+  void SetUp() override { camera_.emplace(source().publisher<PointCloud2>("camera").value()); }
+  /// Returns the node of the publishers.
+  virtual Node& source() { return source_; }
 
   /// Opens subscribers that always have a next sample, whatever the speed of the machine: each callback
   /// publishes a sample at its end.
@@ -48,9 +51,15 @@ class FairCallbacks : public PubSubTest {
     const core::Lock lock(publishing_);
     camera_->publish(cloud(++images_));
   }
-  /// Returns the number of samples, out of 80, for which the callback was not called.
+  /// Returns the number of samples, out of 80, for which the callback was not called, and prints it.
   std::size_t starved(Clock::duration work) {
-    auto halt = source_.publisher<PointCloud2>("stop", {.reliability = reliable}).value();
+    const std::size_t starved = starved_beside_busy(work);
+    std::printf("starved callbacks: %zu of 80, %s\n", starved,
+                testing::UnitTest::GetInstance()->current_test_info()->name());
+    return starved;
+  }
+  std::size_t starved_beside_busy(Clock::duration work) {
+    auto halt = source().publisher<PointCloud2>("stop", {.reliability = reliable}).value();
     std::atomic<std::size_t> stops{0};
     const auto stop = app_.subscriber<PointCloud2>("stop",
                                                    [&](const auto&) {
@@ -96,6 +105,18 @@ TEST_P(FairCallbacks, NoneIsStarvedWhereAllAreSlow) {
 TEST_P(FairCallbacks, NoneIsStarvedByManyThatAlwaysHaveANextSample) {
   open_busy(16, 300us);
   EXPECT_EQ(starved(300us), 0U);
+}
+
+class FairCallbacksOfOneNode : public FairCallbacks {
+ protected:
+  Node& source() override { return app_; }
+};
+INSTANTIATE_TEST_SUITE_P(Ways, FairCallbacksOfOneNode,
+                         ::testing::Values(Way::shm, Way::udp, Way::udp_sockets), way_name);
+
+TEST_P(FairCallbacksOfOneNode, NoneIsStarvedWherePublishersAndSubscribersShareIt) {
+  open_busy(1, 5ms);
+  EXPECT_EQ(starved(0us), 0U);
 }
 
 /// Keeps the lines of warnings.

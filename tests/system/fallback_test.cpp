@@ -230,9 +230,10 @@ TEST_F(FallbackTest, ALoanIsLentAllTheSameAndArrives) {
   const SmallDaemon daemon("[[pool]]\nsize_kib = 64\ncount = 12\n");
   Node a = Node::open(options("a")).value();
   Node b = Node::open(options("b")).value();
-  auto publisher = a.publisher<PointCloud2>("points", {.max_sample_bytes = 24 << 20}).value();
-  auto subscriber = b.subscriber<PointCloud2, F::height>("points").value();
-  auto all = b.subscriber<PointCloud2>("points").value();
+  auto publisher =
+      a.publisher<PointCloud2>("points", {.reliability = reliable, .max_sample_bytes = 24 << 20}).value();
+  auto subscriber = b.subscriber<PointCloud2, F::height>("points", {.reliability = reliable}).value();
+  auto all = b.subscriber<PointCloud2>("points", {.reliability = reliable}).value();
   ASSERT_TRUE(all_served_by_shm(publisher, 2));
   auto loan = publisher.loan({.height = 7}, {.data = 20 << 20}).value();
   loan->data().back() = 9;

@@ -7,8 +7,11 @@
 
 #include <sft/sft.h>
 #include <array>
+#include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <sensor_msgs/msg/LaserScan.hpp>
+#include <std_srvs/srv/SetBool.hpp>
 #include <string>
 #include <vector>
 
@@ -25,6 +28,7 @@ class FirstWords : public ::testing::Test {
  protected:
   void SetUp() override {
     unsetenv("SFT_LOG");
+    begin_ = std::chrono::steady_clock::now();
     printed_ = memfd_create("stderr", MFD_CLOEXEC);
     before_ = dup(STDERR_FILENO);
     ASSERT_GE(dup2(printed_, STDERR_FILENO), 0);
@@ -40,12 +44,15 @@ class FirstWords : public ::testing::Test {
     text.resize(static_cast<std::size_t>(std::max<ssize_t>(bytes, 0)));
     return text;
   }
-  /// Expects all given texts in the log.
+  /// Expects all given texts in the log, and prints how long it took.
   void expect_says(const std::vector<std::string>& texts) const {
     for (const std::string& text : texts)
       EXPECT_TRUE(eventually([&] { return printed().find(text) != std::string::npos; })) << text << "\nin\n"
                                                                                          << printed();
     EXPECT_EQ(printed().find("[sft] "), 0U);
+    const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin_;
+    std::printf("first words after %.1f s: %s\n", time.count(),
+                testing::UnitTest::GetInstance()->current_test_info()->name());
   }
   static Node open(const std::string& name = "robot") {
     NodeOptions options{.name = name};
@@ -60,6 +67,7 @@ class FirstWords : public ::testing::Test {
   }
 
  private:
+  std::chrono::steady_clock::time_point begin_;
   int printed_ = -1, before_ = -1;
 };
 
@@ -178,6 +186,30 @@ TEST_F(FirstWords, OfATopicThatIsNotPublishedWhileASimilarOneIs) {
   const auto misspelt = node.subscriber<PointCloud2>("lidar/pionts").value();
   expect_says(
       {"topic 'lidar/pionts': no publisher of it was seen; did you mean 'lidar/points', which node 'lidar'"});
+}
+
+TEST_F(FirstWords, OfAServiceWhoseNameIsMisspelt) {
+  Node node = open();
+  Node robot = Node::open({.name = "base"}).value();
+  using std_srvs::srv::SetBool;
+  const auto answer = [](const SetBool::Request&) { return SetBool::Response{}; };
+  const auto service = Service<SetBool>::open(robot, "lights", answer).value();
+  const auto client = Client<SetBool>::open(node, "lihgts").value();
+  expect_says(
+      {"topic 'lihgts/reply': no publisher of it was seen; did you mean 'lights/reply', which node 'base'"});
+}
+
+TEST_F(FirstWords, OfARuleForNamesThatFitsNothing) {
+  NodeOptions options{.name = "robot", .remap = {"scna:=front/scan"}};
+  Node node = Node::open(options).value();
+  const auto scan = node.subscriber<LaserScan>("scan").value();
+  expect_says({"'scna:=front/scan'"});
+}
+
+TEST_F(FirstWords, OfSimulatedTimeThatNobodyPublishes) {
+  NodeOptions options{.name = "robot", .use_sim_time = true};
+  const Node node = Node::open(options).value();
+  expect_says({"use_sim_time: there is no publisher of the topic 'clock'"});
 }
 
 TEST_F(FirstWords, OfAnInterfaceThatIsNotThere) {

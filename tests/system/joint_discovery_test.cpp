@@ -184,10 +184,8 @@ TEST_F(JointDiscoveryTest, AnnouncesItselfToAStrangerOfWhichOnlyHeartbeatsCome) 
   ASSERT_TRUE(eventually(is_quiet, 30s)) << "the announcements at the start end";
 
   const auto stranger =
-      core::HeartbeatSocket::open({.ip = core::loopback_ipv4,
-                                   .index = 1,
-                                   .port = *core::dds_config(control_domain(), {}, "")->heartbeat_port,
-                                   .reaches_own_host = true});
+      core::HeartbeatSocket::open({.ip = core::loopback_ipv4, .reaches_own_host = true, .index = 1},
+                                  *core::dds_config(control_domain(), {}, "")->heartbeat_port);
   ASSERT_TRUE(stranger);
   EXPECT_TRUE(announces_within(10s, [&] { stranger->send({.participant = {7}, .process = 77}); }));
 }

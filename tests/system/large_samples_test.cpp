@@ -1,4 +1,4 @@
-// Samples of the sizes that are usual on robots, with default options.
+// Samples of sizes that are usual on robots, with default options.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -33,8 +33,11 @@ class LargeSamples : public PubSubTest {
     auto sub = b.subscriber<T>("large").value();
     expect_served(pub, 1);
     for (int i = 0; i < 3; ++i) {
-      EXPECT_EQ(pub.publish(message), PublishStatus::ok);
-      ASSERT_TRUE(sub.wait(hang_timeout));
+      // A best-effort reader may lose a large sample on a busy machine.
+      ASSERT_TRUE(eventually([&] {
+        EXPECT_EQ(pub.publish(message), PublishStatus::ok);
+        return sub.wait(5s);
+      }));
       const auto sample = sub.take();
       EXPECT_EQ(sample.info().transport, in_shared_memory() ? TransportKind::shm : TransportKind::udp);
       EXPECT_TRUE(sample.to_owned() == message) << i;
@@ -177,8 +180,8 @@ TEST_F(MemoryOnDemand, ThatTheHostDoesNotHaveSendsSamplesByUdp) {
   const int file = open(filler.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   const std::uint64_t left = std::filesystem::space("/dev/shm").free;
   ASSERT_EQ(posix_fallocate(file, 0, static_cast<off_t>(left - (8 << 20))), 0);
-  auto publisher = node_->publisher<PointCloud2>("large").value();
-  auto subscriber = other_->subscriber<PointCloud2>("large").value();
+  auto publisher = node_->publisher<PointCloud2>("large", {.reliability = reliable}).value();
+  auto subscriber = other_->subscriber<PointCloud2>("large", {.reliability = reliable}).value();
   ASSERT_TRUE(eventually([&] { return in_memory(publisher) == 1; }));
   PointCloud2 cloud;
   cloud.data.resize(30'000'000);

@@ -371,7 +371,7 @@ class RateTest : public QosTest {
 };
 
 TEST_P(RateTest, ASlowReaderOfAFastPublisherGetsItsRateAndLosesNothing) {
-  auto sub = b.subscriber<PointCloud2, F::height>("points", {.max_rate_hz = 10}).value();
+  auto sub = b.subscriber<PointCloud2, F::height>("points", {.depth = 64, .max_rate_hz = 10}).value();
   expect_served(pub, 1);
   EXPECT_EQ(pub.status().readers.at(0).max_rate_hz, 10);
   const Ticker ticker(period, publish, Keeps::rate);

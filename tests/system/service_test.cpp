@@ -2,10 +2,13 @@
 // start and end at any time.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <future>
 #include <latch>
+#include <memory>
 #include <optional>
 #include <service_msgs/srv/Add.hpp>
+#include <service_msgs/srv/Image.hpp>
 #include <std_srvs/srv/SetBool.hpp>
 #include <thread>
 #include <vector>
@@ -307,6 +310,24 @@ TEST_P(ServiceTest, AClientGetsTheReasonForWhichTheServerRefuses) {
   auto client = client_of(a);
   EXPECT_EQ(answer(client, -1, 0), "service 'sum': the server refuses: a is negative");
   EXPECT_EQ(answer(client, 1, 0), "1");
+}
+
+TEST_P(ServiceTest, AResponseThatIsTooLargeForTheStackIsFilledIn) {
+  using service_msgs::srv::Image;
+  Node robot = open("robot"), station = open("station");
+  const auto expose = [](const Image::Request& request, Image::Response& response) -> Result<void> {
+    if (request.value == 0) return fail(Errc::invalid_argument, "it is dark");
+    response.data.fill(request.value);
+    return {};
+  };
+  const auto server = Service<Image>::open(robot, "image", expose).value();
+  auto client = Client<Image>::open(station, "image").value();
+  const auto response = std::make_unique<Image::Response>();
+  const Result<void> done = client.call({.value = 7}, *response, hang_timeout);
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_TRUE(std::ranges::all_of(response->data, [](std::uint8_t byte) { return byte == 7; }));
+  EXPECT_THAT(client.call({.value = 0}, *response, hang_timeout).error().message,
+              HasSubstr("the server refuses: it is dark"));
 }
 
 TEST_P(ServiceTest, AResponseOrARequestThatIsTooLargeIsNamed) {

@@ -1,5 +1,5 @@
-// Unmodified DDS nodes come and go, with other types and QoS each time, are killed and are stopped. The node
-// of SFT serves and hears all nodes that are there, and holds no more and more resources.
+// Unmodified DDS nodes are started, ended, killed and stopped, with other types and QoS each time. The node
+// of SFT communicates with all nodes that are present, and does not use more and more resources.
 #include <gmock/gmock.h>
 
 #include <array>

@@ -1,4 +1,4 @@
-// Publishers serve readers of plain DDS, which do not use SFT, on this host and on another one.
+// Publishers send to readers of plain DDS, which know nothing of SFT, on this host and on another host.
 #include <dds/dds.h>
 #include <dlfcn.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Nodes of plain DDS on emulated hosts, which know nothing of SFT, beside nodes of this process.
+// Nodes of plain DDS, which know nothing of SFT, on emulated hosts, and nodes of SFT in this process.
 #pragma once
 
 #include <fcntl.h>

@@ -1,6 +1,6 @@
-// A DDS node that writes any bytes as samples of a type, whole or forged. It reads records from its standard
-// input: { uint32 bytes; } and so many bytes, which begin with the encapsulation. It writes the number of
-// matching readers to its standard output whenever that changes.
+// A DDS node that writes any bytes as samples of a type, valid or forged. It reads records from its
+// standard input: { uint32 bytes; } and this number of bytes, which begin with the encapsulation. It writes
+// the number of matching readers to its standard output whenever that changes.
 //
 //   vanilla_forger DOMAIN TOPIC TYPE
 #include <dds/dds.h>

@@ -1,5 +1,5 @@
-// Nodes of SFT are in the graph of ROS 2: programs that know nothing of SFT see their names, and their
-// publishers and subscribers with type, hash and QoS. Nodes of ROS 2 have names for SFT, too.
+// Nodes of SFT are in the graph of ROS 2: programs without SFT see the names of these nodes, and their
+// publishers and subscribers with type, hash and QoS. SFT also knows the names of nodes of ROS 2.
 #include <gmock/gmock.h>
 
 #include <cstdint>

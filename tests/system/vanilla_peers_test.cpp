@@ -1,5 +1,5 @@
-// Nodes of Cyclone DDS and of Fast DDS, each with the code of its own generator, get messages of SFT as
-// structs and send them back. So each message passes both ways, and no byte of it may change.
+// Nodes of Cyclone DDS and of Fast DDS, each with code from its own generator, receive messages of SFT as
+// structs and send them back. So each message is sent in both directions, and no byte of it may change.
 #include <gmock/gmock.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// Subscribers hear writers of plain DDS, which know nothing of SFT, on this host and on another one.
+// Subscribers receive from writers of plain DDS, which know nothing of SFT, on this host and on another
+// host.
 #include <dds/dds.h>
 #include <gmock/gmock.h>
 #include <malloc.h>
@@ -55,6 +56,13 @@ class VanillaHearingTest : public VanillaTest {
     return bytes;
   }
 };
+
+TEST_F(VanillaHearingTest, ATopicThatIsMisspeltIsNamedWithTheOneThatANodeOfDdsPublishes) {
+  Node node = Node::open(options_with_log()).value();
+  VanillaWriter writer(network_.host(1), {});
+  const auto misspelt = node.subscriber<PointCloud2>("pionts").value();
+  EXPECT_TRUE(warns_of("topic 'pionts': no publisher of it was seen; did you mean 'points', which node "));
+}
 
 /// A message as a big-endian writer encodes it, put together by hand.
 class BigEndianBytes {

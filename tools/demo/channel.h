@@ -1,5 +1,5 @@
-// The connection between the demo and each of its processes: JSON messages over a pair of sockets. It ends
-// with either side, so that each side notices the end of the other.
+// The connection between the demo and each of its processes: JSON messages over a pair of sockets. If
+// either side ends, the connection is closed, so that the other side notices it.
 #pragma once
 
 #include <chrono>
@@ -46,12 +46,12 @@ class Channel {
 
 inline constexpr const char* stopped_early = "stopped before anything was published, so there are no figures";
 
-/// Sends the order, which may be empty, and waits for the answer. `role` names the other side in errors. If
-/// the user asks `stop` to end the wait, returns an error; null: the wait cannot be ended.
+/// Sends an order, which may be empty, and waits for the answer. `role` names the other side in errors.
+/// Returns an error if the user requests a stop. If `stop` is null, the user cannot end the wait.
 Result<nlohmann::json> ask(Channel& channel, std::string_view role, std::string_view order,
                            Clock::duration timeout, tool::Stop* stop);
 
-/// Answers the next order with the error. A role that cannot go on calls this.
+/// Answers the next order with the error. Called by a role that cannot continue.
 void refuse(Channel& channel, const Error& error);
 
 }  // namespace sft::demo

@@ -1,6 +1,6 @@
 // sft_demo shows on one machine what Selective Field Transmission does. A lidar publishes point clouds.
-// Subscribers on other hosts are sent the fields that they need, and one on the lidar's own host reads its
-// fields in shared memory.
+// Subscribers on other hosts receive only the fields that they need. A subscriber on the lidar's own host
+// reads its fields in shared memory.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +12,7 @@
 #include "tools/demo/display.h"
 #include "tools/demo/scene.h"
 #include "tools/demo/stage.h"
+#include "tools/terminal/file_error.h"
 #include "tools/terminal/stop.h"
 
 namespace sft::demo {
@@ -21,18 +22,19 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr seconds timeout_for_answer{15};  // a role answers for the first time when its node is open
+// The limit for the first answer of a role, which comes when its node is open
+constexpr seconds timeout_for_answer{15};
 constexpr seconds timeout_for_matching{20};
 constexpr seconds timeout_for_shared_memory{8};
 constexpr seconds timeout_for_arrival{2};
-// After DDS participants have found each other, they repeat their announcements for about this long.
-// Meanwhile the daemons that the hosts had to start become ready, and nodes announce that.
+// After DDS participants have found each other, they repeat their announcements for about this long. In
+// this time, the daemons that the hosts have started become ready, and the nodes announce it.
 constexpr seconds settling{5};
 constexpr seconds refresh{1};
 constexpr milliseconds poll_interval{20};
 
-/// One run: waits until all nodes have found each other and discovery is quiet, lets the lidar publish, and
-/// measures what that costs.
+/// One run: waits until all nodes have found each other and discovery is quiet, makes the lidar publish, and
+/// measures the bytes and the processor time.
 class Demo {
  public:
   Demo(const RunOptions& options, Stage& stage, tool::Stop& stop, Display& display)
@@ -59,16 +61,16 @@ class Demo {
   }
 
  private:
-  /// Waits until `then` and returns false, or until the user asks to stop and returns true. A request to stop
-  /// counts once.
+  /// Waits until `then` and returns false. Returns true earlier if the user requests a stop. Each request
+  /// is reported only once.
   bool stop_asked_before(Clock::time_point then) {
     const bool asked = stop_.wait_for(then - Clock::now());
     stop_.forget();
     return asked;
   }
 
-  /// Waits until `then`, before the first cloud is published, and tells the user for what. Returns an error
-  /// if the user asks to stop.
+  /// Waits until `then`, before the first cloud is published. `what` names for the user what the demo waits
+  /// for. Returns an error if the user requests a stop.
   Result<void> wait_until(Clock::time_point then, const std::string& what) {
     display_.status(what + " ...");
     return stop_asked_before(then) ? fail(Errc::unavailable, stopped_early) : Result<void>();
@@ -99,7 +101,8 @@ class Demo {
     return {};
   }
 
-  /// Returns null if the publisher does not know such a reader.
+  /// Returns the publisher's report on the reader with this name; null if the publisher does not know such
+  /// a reader.
   const ReaderReport* reader_called(const std::string& name) const {
     const auto reader = std::ranges::find(publisher_.readers, name, &ReaderReport::node);
     return reader == publisher_.readers.end() ? nullptr : &*reader;
@@ -199,12 +202,12 @@ class Demo {
   RunFigures run_;
   PublisherReport publisher_;
   Clock::time_point looked_at_;
-  bool has_begun_ = false;  ///< clouds are published, or were
+  bool has_begun_ = false;  ///< true once the first cloud has been published
 };
 
-/// `json` is the path of the file for the figures; empty: none is written.
+/// Runs the demo. `json` is the path of the file for the figures; empty: no file is written.
 Result<void> run(const RunOptions& options, const std::string& json) {
-  // A user does not want to learn after the run that the figures cannot be written.
+  // The file is opened before the run, so that the user learns at once if it cannot be written.
   if (!json.empty() && !std::ofstream(json, std::ios::app))
     return fail(Errc::invalid_argument, json + " cannot be written; give another file to --json");
   Display display;
@@ -219,7 +222,7 @@ Result<void> run(const RunOptions& options, const std::string& json) {
   std::ofstream file(json);
   file << to_json(*figures).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
   if (file.flush()) return {};
-  return fail(Errc::system, json + " could not be written");
+  return tl::unexpected(tool::cannot_be_written(json));
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 namespace sft::demo {
 
-/// An error that follows gets a line of its own.
+/// Ends the line of the status, so that an error is printed on its own line.
 Display::~Display() {
   if (terminal_.on_terminal() && !status_.empty()) std::puts("");
 }

@@ -1,4 +1,5 @@
-// The standard output of the demo. Only terminals get colours, and a status that stays in place.
+// The standard output of the demo. Colours, and a status line that is replaced in place, are used only on
+// terminals.
 #pragma once
 
 #include <string>
@@ -16,8 +17,8 @@ class Display {
   Display& operator=(const Display&) = delete;
 
   void say(const std::string& text);
-  /// Says what the demo is about. On a terminal, the next text takes the place of this one. Text that is said
-  /// already is not said again.
+  /// Shows what the demo does at present. On a terminal, the next text replaces this text. Text that is
+  /// already shown is not printed again.
   void status(const std::string& text);
   /// Shows the final table, and explains it.
   void conclude(const RunFigures& run);

@@ -16,11 +16,12 @@ namespace {
 using tool::aligned_bytes_text;
 using tool::grouped_count_text;
 
-constexpr double worth_telling = 0.0005;  // as a share of the bytes of whole messages
+// The smallest share of the bytes of whole messages that is reported
+constexpr double worth_telling = 0.0005;
 constexpr std::size_t request_columns = 24;
 constexpr std::string_view row_format = "{:<9} {:<24} {:<3} {:>8} {:>4} {:>9} {:>9} {:>6}";
 
-/// A figure that was not measured is null. One decimal is enough: no figure is more exact than that.
+/// Returns the value with one decimal, because no figure is more exact; null if it was not measured.
 nlohmann::ordered_json rounded(const std::optional<double>& value) {
   if (!value) return nullptr;
   return std::round(*value * 10) / 10;
@@ -44,7 +45,7 @@ std::string format_us(const std::optional<double>& latency_us) {
                        : fmt::format("{:.1f} s", us / 1e6);
 }
 
-/// Rounds down, since 100 % would mean that nothing crossed the network.
+/// Formats the share as a percentage, rounded down: "100 %" would mean that nothing crossed the network.
 std::string format_percent(double share) { return tool::percent_text(share, 1, share > 0.999 ? 4 : 1); }
 
 std::string row(const SubscriberFigures& s) {
@@ -85,7 +86,7 @@ std::string format_comparison(const RunFigures& run) {
   return text;
 }
 
-/// Returns an empty text unless fields were recorded.
+/// Returns a text about the cost of recording fields; empty if no fields were recorded.
 std::string format_learning(const RunFigures& run) {
   if (std::ranges::none_of(run.subscribers, &SubscriberFigures::recorded)) return {};
   const double bytes = sum(run, [](const auto& s) { return s.learning_bytes().value_or(0); });

@@ -14,37 +14,38 @@ namespace sft::demo {
 struct Counts {
   std::uint64_t samples = 0;
   std::uint64_t payload_bytes = 0;
-  std::int64_t wire_bytes = 0;  ///< of the interface, without control traffic; 0 if it is not measured
+  /// Bytes that the interface received, without control traffic; 0: not measured
+  std::int64_t wire_bytes = 0;
 };
 
 struct SubscriberReport {
   bool matched = false;
   std::string transport;            ///< "shm" or "udp"
   std::string reason;               ///< why this transport is used
-  std::vector<std::string> fields;  ///< the fields that the subscriber asks for at present
+  std::vector<std::string> fields;  ///< the fields that the subscriber requests at present
   bool asks_for_all = false;
   Counts counts;
-  std::optional<Counts> learnt;  ///< those of the moment when a recorded mask had narrowed
+  std::optional<Counts> learnt;  ///< the counts at the time when the recorded mask had narrowed
   std::uint64_t lost = 0;
   std::optional<double> p50_us;
   std::optional<double> p99_us;
 };
 
-/// A subscriber as the publisher sees it.
+/// The counts of the publisher for one subscriber.
 struct ReaderReport {
   std::string node;
   bool served = false;
   std::string transport;
-  std::uint64_t withheld = 0;  ///< samples that were not sent, since the reader asks for a lower rate
+  std::uint64_t withheld = 0;  ///< samples that were not sent because the reader requests a lower rate
 };
 
 struct PublisherReport {
   std::uint64_t published = 0;
-  std::uint64_t full_bytes = 0;  ///< encapsulation and body of a whole message
-  bool finished = false;         ///< nothing remains to be published
+  std::uint64_t full_bytes = 0;  ///< the size of the encapsulation and the body of a whole message
+  bool finished = false;         ///< true: all samples have been published
   std::vector<ReaderReport> readers;
-  std::string udp;  ///< NodeStatus::udp
-  std::string shm;  ///< NodeStatus::shm
+  std::string udp;  ///< the value of NodeStatus::udp
+  std::string shm;  ///< the value of NodeStatus::shm
   bool shm_ready = false;
 };
 

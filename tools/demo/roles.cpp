@@ -23,9 +23,9 @@ using F = PointCloud2::Field;
 
 constexpr std::string_view topic = "points";
 
-/// Returns the path of the sftd beside the program; empty if SFT_DAEMON is set, or if there is none. The
-/// library could not find that sftd: a process with mounts of its own in a chroot has lost the directory of
-/// its program.
+/// Returns the path of the sftd in the directory of this program; empty if SFT_DAEMON is set, or if there
+/// is no such file. The library could not find that sftd: a process with its own mounts in a chroot cannot
+/// reach the directory of its program any more.
 std::string daemon_beside_program() {
   const std::filesystem::path daemon = hosts::program_directory() / "sftd";
   std::error_code error;
@@ -42,9 +42,9 @@ class RoleNode {
       if (!meter) return tl::unexpected(meter.error());
       meter_ = std::move(*meter);
     }
-    // Multicast is off, since the host of a subscriber is to show what that subscriber costs, but the switch
-    // passes multicast on to all hosts. The user's own configuration of Cyclone DDS names interfaces that
-    // hosts do not have.
+    // Multicast is off: the switch would forward it to all hosts, but the traffic of a host must show only
+    // what its subscriber costs. The node does not use the user's configuration of Cyclone DDS, which names
+    // interfaces that the hosts do not have.
     Result<Node> node = Node::open({.name = plan.name,
                                     .domain = plan.domain,
                                     .transport = plan.transport,
@@ -66,7 +66,7 @@ class RoleNode {
   std::optional<Node> node_;
 };
 
-/// One thread answers orders, and publishes when it is time.
+/// The publisher. One thread answers orders, and publishes a cloud whenever one is due.
 class Lidar {
  public:
   Result<void> open(const RolePlan& plan) {
@@ -77,7 +77,8 @@ class Lidar {
         .map([this](Publisher<PointCloud2>&& publisher) { publisher_.emplace(std::move(publisher)); });
   }
 
-  /// Serves until the channel closes. Returns an error of publishing unless the error may be temporary.
+  /// Serves until the channel closes. Returns an error if publishing fails, unless the failure may be
+  /// temporary.
   Result<void> serve(Channel& channel) {
     for (;;) {
       if (next_ && !channel.readable_before(*next_)) {
@@ -98,7 +99,7 @@ class Lidar {
     const Result<PublishStatus> result = scene_.publish(*publisher_, seconds);
     if (!result && result.error().code != Errc::out_of_memory) return tl::unexpected(result.error());
     ++published_;
-    // A late publisher does not try to catch up, as a sensor would not.
+    // A late publisher does not publish faster to catch up, because a sensor would not do that.
     next_ = std::max(*next_ + std::chrono::duration_cast<Clock::duration>(period_), Clock::now());
     if (published_ == ordered_) next_.reset();
     return {};
@@ -124,12 +125,12 @@ class Lidar {
   std::uint64_t ordered_ = 0;  // publishing ends with this number of samples
   std::uint64_t published_ = 0;
   std::chrono::duration<double> period_{};
-  std::optional<Clock::time_point> next_;  // empty: nothing to publish
+  std::optional<Clock::time_point> next_;  // when the next cloud is due; empty: nothing is to be published
 };
 
-// The subscribers: the fields that each declares, and the code that reads them. With --arr nothing is
-// declared, and the fields that the same code reads are recorded. read() returns something that depends on
-// all points, so that the compiler cannot remove the reading.
+// The subscribers: the fields that each of them declares, and the code that reads these fields. With --arr,
+// no fields are declared, and the fields that the same code reads are recorded. read() returns a value that
+// depends on all points, so that the compiler cannot remove the reads.
 
 void read_header(const auto& cloud) {
   (void)cloud.header().stamp().sec();
@@ -137,7 +138,8 @@ void read_header(const auto& cloud) {
   (void)cloud.header().frame_id();
 }
 
-/// A recorded sample may lack a channel that was not requested before.
+/// Returns the sum over all points; 0 if the sample lacks a requested channel, which is possible while
+/// fields are recorded.
 float sum_of(const auto& points) {
   float sum = 0;
   if (!points) return sum;
@@ -190,7 +192,7 @@ struct Detector {
   }
 };
 
-/// Returns the smallest value that a share `q` of all values does not exceed (nearest rank).
+/// Returns the smallest of `values` that is at least as large as a share `q` of them (nearest rank).
 std::optional<double> percentile(std::vector<double> values, double q) {
   if (values.empty()) return std::nullopt;
   const auto nth = values.begin() + std::lround(std::ceil(q * static_cast<double>(values.size()))) - 1;
@@ -214,7 +216,8 @@ std::vector<std::string> names_of(const TypeSupport& type, const Selection& aske
   return names;
 }
 
-/// Threads of the node call on_sample(); the thread of the role calls the rest.
+/// Counts and reads samples. on_sample() is called by threads of the node, and all other functions by the
+/// thread of the role.
 template <class Consumer, Req<PointCloud2> R>
 class Reader {
  public:
@@ -240,13 +243,14 @@ class Reader {
     const core::Lock lock(mutex_);
     latencies_us_.push_back(std::chrono::duration<double, std::micro>(latency).count());
     ++counts_.samples;
-    // In shared memory cdr() would copy what the subscriber reads in place.
+    // In shared memory, cdr() would copy data that the subscriber reads in place.
     if (sample.info().transport == TransportKind::udp) counts_.payload_bytes += sample.cdr().size();
     if (R.is_recorded && !has_learnt_) watch_learning(sample.mask().is_full());
   }
 
-  /// Learning costs all bytes until the last full sample has come. Only the next sample, which is not full,
-  /// shows that it was the last one. So the counts after each full sample are kept.
+  /// Notes when the recorded mask has narrowed. All bytes until the last full sample count as the cost of
+  /// recording. Only the next sample, which is not full, shows that it was the last full one. So the counts
+  /// are stored after each full sample.
   void watch_learning(bool full) SFT_REQUIRES(mutex_) {
     has_learnt_ = !full;
     if (!full) return;
@@ -283,7 +287,8 @@ class Reader {
   Counts after_full_sample_ SFT_GUARDED_BY(mutex_);
   bool has_learnt_ SFT_GUARDED_BY(mutex_) = false;
   volatile float sum_ = 0;
-  std::optional<Subscriber<PointCloud2, R>> subscriber_;  // last, since its callback uses the others
+  // Must be the last member, since its callback uses the others
+  std::optional<Subscriber<PointCloud2, R>> subscriber_;
 };
 
 template <class Role>
@@ -307,9 +312,9 @@ const std::array<SubscriberRole, 5> subscriber_roles{{
     {"health", "monitor", "watches that the lidar is alive and sees something", 0, run_subscriber<Health>},
     {"dashboard", "cockpit", "shows the operator how large the clouds are", 0, run_subscriber<Dashboard>},
     {"recorder", "logger", "writes down when each cloud was taken", 0, run_subscriber<Recorder>},
-    // It corrects its odometry now and then, and needs every second column.
+    // This role corrects its odometry from time to time, and needs every second column.
     {"localiser", "nav", "finds the robot on a map, by one cloud a second", 1, run_subscriber<Localiser>},
-    // It needs x, y and z of every point, and reads them in place.
+    // This role needs x, y and z of every point, and reads them in place.
     {"detector", "lidar", "finds objects, in the lidar's own memory", 0, run_subscriber<Detector>},
 }};
 

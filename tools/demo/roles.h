@@ -1,5 +1,6 @@
-// The roles of the demo, each in a process of its own: a lidar publishes, and five subscribers read what they
-// need of its clouds. A role answers each message of the demo with its report until the channel closes.
+// The roles of the demo, each in its own process: a lidar that publishes clouds, and five subscribers that
+// read the fields that they need. A role answers each message of the demo with its report, until the
+// channel closes.
 #pragma once
 
 #include <array>
@@ -14,19 +15,20 @@ namespace sft::demo {
 struct RunOptions {
   double hz = 10;
   std::uint64_t samples = 0;
-  bool is_recorded = false;  ///< subscribers record their fields, and declare none
+  bool is_recorded = false;  ///< true: subscribers record their fields, and declare none
 };
 
 struct RolePlan {
   std::string name;
   std::uint32_t domain = 0;
   TransportChoice transport = TransportChoice::automatic;
-  std::optional<std::string> interface {};  ///< its traffic is measured; empty: nothing is measured
-  double max_rate_hz = 0;                   ///< of a subscriber; 0: all clouds
+  /// The interface whose traffic is measured; empty: no traffic is measured
+  std::optional<std::string> interface {};
+  double max_rate_hz = 0;  ///< the maximum rate of a subscriber; 0: all clouds
   RunOptions options{};
 };
 
-/// Publishes from the message "begin" to the last sample, or to the message "end".
+/// Publishes clouds after the message "begin", until the last sample or the message "end".
 void run_publisher(const RolePlan& plan, Channel& channel);
 
 struct SubscriberRole {

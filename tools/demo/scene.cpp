@@ -26,7 +26,7 @@ constexpr std::uint16_t reflectivity_of_ground = 12, reflectivity_of_wall = 80;
 
 /// The values that all points of a column share.
 struct Column {
-  float cosine, sine;  ///< of the azimuth
+  float cosine, sine;  ///< cosine and sine of the azimuth
   float wall;          ///< distance of the wall
 };
 

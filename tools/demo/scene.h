@@ -1,4 +1,4 @@
-// A generated yard as a spinning lidar sees it: the ground, and a wall around it that moves. The same time
+// A generated yard as a spinning lidar sees it: the ground, and a moving wall around it. The same time
 // always gives the same bytes.
 #pragma once
 
@@ -15,7 +15,7 @@ using sensor_msgs::msg::PointCloud2;
 
 /// A point in the layout of Ouster's ROS driver.
 struct LidarPoint {
-  float x = 0;  ///< in metres; x, y and z are 0 if nothing was hit
+  float x = 0;  ///< x, y and z are in metres, and 0 if nothing was hit
   float y = 0;
   float z = 0;
   float unused_w = 0;
@@ -25,7 +25,7 @@ struct LidarPoint {
   std::uint16_t ring = 0;  ///< number of the row
   std::uint16_t ambient = 0;
   std::uint16_t unused_after_ambient = 0;
-  std::uint32_t range = 0;  ///< in millimetres; 0: nothing was hit
+  std::uint32_t range = 0;  ///< distance in millimetres; 0: nothing was hit
   std::uint32_t unused_at_end[3] = {};
 };
 static_assert(sizeof(LidarPoint) == 48);
@@ -47,7 +47,7 @@ class Scene {
   std::uint64_t full_bytes() const;
 
  private:
-  PointCloud2 layout_;  // all but the points
+  PointCloud2 layout_;  // the message without the points
 };
 
 }  // namespace sft::demo

@@ -24,8 +24,8 @@ using std::chrono::milliseconds;
 constexpr milliseconds timeout_with_daemons{2'000};
 // The time in which the processes of a host must end: nodes close, and daemons end.
 constexpr milliseconds timeout_with_hosts{8'000};
-// The size of /dev/shm of a host, on which its daemon's memory depends. That of the publisher's host also has
-// some samples of 6 MB.
+// The size of /dev/shm on a host, on which the memory of its daemon depends. The host of the publisher also
+// stores some samples of 6 MB.
 constexpr unsigned shared_memory_mib = 256, publishers_shared_memory_mib = 1024;
 constexpr std::size_t publishers_host = subscriber_roles.size() - 1;
 
@@ -34,14 +34,14 @@ struct Role {
   void (*run)(const RolePlan&, Channel&);
 };
 
-/// The subscriber of the host comes first.
+/// Returns the roles on host number `number`. The subscriber of the host is the first of them.
 std::vector<Role> roles_on(std::size_t number, bool real_hosts, std::uint32_t domain,
                            const RunOptions& options) {
   const SubscriberRole& role = subscriber_roles[number];
   const bool remote = number != publishers_host;
   RolePlan subscriber{
       .name = role.name, .domain = domain, .max_rate_hz = role.max_rate_hz, .options = options};
-  // Samples for the subscriber would come over this interface.
+  // The interface by which the subscriber receives its samples.
   if (real_hosts) subscriber.interface = remote ? hosts::host_interface : "lo";
   if (remote && !real_hosts) subscriber.transport = TransportChoice::udp;
   std::vector<Role> roles{{subscriber, role.run}};
@@ -50,8 +50,8 @@ std::vector<Role> roles_on(std::size_t number, bool real_hosts, std::uint32_t do
 }
 
 /// Moves the calling process into the network and mounts an empty /dev/shm and /tmp that only it and its
-/// children see. Its next child becomes the first process of a new process namespace; when that child ends,
-/// the kernel ends all processes in there.
+/// children see. Its next child becomes the first process of a new process namespace. When that child ends,
+/// the kernel ends all processes in the namespace.
 Result<void> leave_this_host(const hosts::NetworkNamespace& network, unsigned memory_mib) {
   hosts::program_directory();
   return network.enter()
@@ -63,14 +63,15 @@ Result<void> leave_this_host(const hosts::NetworkNamespace& network, unsigned me
       .and_then(hosts::mount_own_tmp);
 }
 
-/// Gets the right to make hosts, which root has. Any other user becomes root of a user namespace, if the
-/// system lets users have one. The network of this machine does not belong to the new root: a process that
-/// leaves it cannot come back. REQUIRES: the process has one thread.
+/// Gets the rights to make hosts, which only root has. Any other user becomes root of a user namespace, if
+/// the system allows it. The new root has no rights in the network of this machine, so a process that
+/// leaves that network cannot return. REQUIRES: the process has one thread.
 Result<void> become_root() {
   return geteuid() == 0 ? Result<void>() : hosts::enter_user_namespace(CLONE_NEWNET);
 }
 
-/// Tries in a child process whether hosts can be made. The error says why not.
+/// Tries in a child process whether hosts can be made. Returns an error with the reason if they cannot be
+/// made.
 Result<void> try_isolation() {
   return hosts::in_child([](int) -> Result<void> {
     if (Result<void> root = become_root(); !root) return root;
@@ -96,7 +97,8 @@ Result<void> try_isolation() {
   _exit(0);
 }
 
-/// The first process of a host: starts the roles and stays until they are gone, or until it is told to end.
+/// The first process of a host. Starts the roles and waits until they have ended, or until it receives a
+/// signal to end.
 [[noreturn]] void look_after_roles(const std::vector<Role>& roles, std::vector<Channel>& channels) {
   std::vector<pid_t> running;
   for (std::size_t i = 0; i < roles.size(); ++i) {
@@ -104,7 +106,8 @@ Result<void> try_isolation() {
     if (role == 0) run_role(roles[i], channels[i]);
     if (role > 0) running.push_back(role);
   }
-  // Each role has its own channel now. The demo sees the channel of a role that was not started as closed.
+  // Each role now has its own copy of its channel. If a role could not be started, its channel is closed at
+  // the side of the demo.
   channels.clear();
 
   sigset_t awaited;
@@ -118,11 +121,11 @@ Result<void> try_isolation() {
   _exit(0);
 }
 
-/// Runs the roles on this machine, or in namespaces if there is a network. noexcept: an exception must not
-/// reach the stack that was copied from the demo.
+/// Runs the roles on this machine, or in namespaces if `network` is not null. The function is noexcept,
+/// because an exception must not unwind the stack that fork() has copied from the demo.
 [[noreturn]] void run_host(const hosts::NetworkNamespace* network, unsigned memory_mib,
                            const std::vector<Role>& roles, std::vector<Channel>& channels) noexcept {
-  setsid();  // Ctrl-C is for the demo, which then ends its hosts in order
+  setsid();  // Ctrl-C must reach only the demo, which then ends its hosts
   hosts::block_only({SIGCHLD, SIGTERM});
   std::vector<int> kept;
   for (const Channel& channel : channels) kept.push_back(channel.descriptor());
@@ -136,7 +139,8 @@ Result<void> try_isolation() {
   }
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (const Result<void> left = leave_this_host(*network, memory_mib); !left) give_up(channels, left.error());
-  // Only a child enters the new process namespace, as its first process; this process waits outside.
+  // Only a child enters the new process namespace, as its first process. This process stays outside and
+  // waits.
   const pid_t first = fork();
   if (first == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);  // the end of a first process is the end of all in its namespace
@@ -189,7 +193,7 @@ Result<void> Stage::start_host(std::size_t number, std::uint32_t domain, const R
   return {};
 }
 
-/// The roles end when their channels close, all at the same time.
+/// All roles end at the same time, when their channels are closed.
 Stage::~Stage() {
   channels_.clear();
   for (const pid_t host : first_processes_) {

@@ -4,13 +4,13 @@
 //   host "monitor"   health              host "cockpit"  dashboard
 //   host "logger"    recorder            host "nav"      localiser
 //
-// A host is a process tree, with a process for each role. Where namespaces can be made, it looks like a
-// machine of its own to all programs on it, on an emulated network. Otherwise all roles are processes on this
-// machine, and those that would be remote can use only UDP.
+// A host is a process tree, with a process for each role. If namespaces can be made, a host looks like a
+// separate machine to all programs on it, with an emulated network. Otherwise all roles are processes on
+// this machine, and the roles that would be remote can use only UDP.
 //
-// The first process of the tree outlives the roles, adopts the processes that they leave behind (the daemon
-// of the shared memory) and ends these, so that no process goes on that the demo has started. If the demo
-// itself is killed, the kernel ends the first process.
+// The first process of the tree outlives the roles. It adopts the processes that they leave running (the
+// daemon of the shared memory) and ends them, so that no process of the demo remains. If the demo itself is
+// killed, the kernel ends the first process.
 #pragma once
 
 #include <memory>

@@ -24,9 +24,10 @@ constexpr std::uint32_t rtps_magic = 0x52545053;  // "RTPS", with which all mess
 // "SHB", with which the heartbeats of participants begin (core/discovery/heartbeat.h)
 constexpr std::uint32_t heartbeat_magic = 0x53484200;
 
-/// Drops data, which is UDP over IPv4, not a later fragment (data is never fragmented by IP), and neither DDS
-/// nor a heartbeat of a participant.
-/// The last two numbers of a jump tell how many lines to skip if the condition holds, and if it does not.
+/// A filter that drops data and accepts control traffic. A frame counts as data if it is UDP over IPv4, no
+/// later fragment (data is never fragmented by IP), and neither a message of DDS nor a heartbeat of a
+/// participant. The last two numbers of a jump are the numbers of lines to skip: the first if the condition
+/// holds, the second if it does not hold.
 constexpr std::array control_only{
     sock_filter BPF_STMT(BPF_LD | BPF_H | BPF_ABS, ether_type),
     sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, ETH_P_IP, 0, 10),
@@ -61,13 +62,14 @@ void TrafficMeter::count_control() {
         recvfrom(packets_.get(), &unused, 1, MSG_TRUNC, reinterpret_cast<sockaddr*>(&from), &from_bytes);
     if (bytes < 0 && errno == EINTR) continue;
     if (bytes < 0) return;
-    // PACKET_LOOPBACK marks this host's own copy of a multicast, which never was on the interface.
+    // PACKET_LOOPBACK marks the copy of a multicast for this host itself. That copy was never on the
+    // interface.
     if (from.sll_pkttype <= PACKET_OTHERHOST) control_bytes_ += static_cast<std::uint64_t>(bytes);
   }
 }
 
 /// The interface counts a frame a moment before the packet socket receives it. So both are read again until
-/// no frame has come in between. If frames come all the time, one more or less does not matter.
+/// no frame has arrived in between. If frames arrive all the time, one more or less does not matter.
 std::int64_t TrafficMeter::data_bytes() {
   constexpr int tries_max = 20;
   constexpr std::chrono::milliseconds moment{1};

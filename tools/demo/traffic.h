@@ -1,9 +1,9 @@
 // Counts the bytes of samples that a host's interface receives, link layer included.
 //
-// The kernel counts all bytes of the interface. Control traffic is counted as it passes, and taken off: a
-// packet socket receives all frames that are not data (its filter drops the data). A rate of control traffic
-// that was measured before would not do, since a node announces itself in bursts every few seconds, and small
-// samples take fewer bytes than one burst.
+// The kernel counts all bytes of the interface. The bytes of control traffic are subtracted from that
+// number. To count them, a packet socket receives all frames except data, which its filter drops. A rate of
+// control traffic that was measured earlier would not be exact enough, since a node announces itself in
+// bursts every few seconds, and small samples take fewer bytes than one burst.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ class TrafficMeter {
  public:
   static Result<std::unique_ptr<TrafficMeter>> open(const std::string& interface);
 
-  /// Returns the bytes since a moment in the past. Any thread may call it.
+  /// Returns the number of bytes of data since a fixed time in the past. Any thread may call it.
   std::int64_t data_bytes();
 
  private:

@@ -91,7 +91,7 @@ class Reader {
     return criterion;
   }
 
-  /// Takes the longest name of the table that comes next.
+  /// Takes the longest name of the table with which the remaining text begins.
   template <class Table>
   auto longest(const Table& table) -> decltype(std::begin(table)) {
     auto found = std::end(table);

@@ -11,23 +11,24 @@
 
 namespace sft::perf {
 
-/// Values by the names that conditions use: times in seconds, `rate` in hertz, and counts.
+/// Values by the names that conditions use: times in seconds, `rate` in hertz, and counts. A value that is
+/// not known is empty.
 using Values = std::map<std::string, std::optional<double>, std::less<>>;
 
 struct Criterion {
-  std::string text;  ///< as the user wrote it
+  std::string text;  ///< the condition as the user wrote it
   std::string name;
   std::string comparison;    ///< ">", ">=", "<" or "<="
-  double bound = 0;          ///< in the unit of Values
-  bool of_all_sent = false;  ///< the bound is a part of all samples that were sent
+  double bound = 0;          ///< the bound in the unit of the value in Values
+  bool of_all_sent = false;  ///< true: the bound is a share of all samples that were sent
 };
 
-/// Parses conditions with commas between them. An error names the position of the first mistake, and what is
-/// possible there.
+/// Parses conditions that are separated by commas. An error names the position of the first mistake, and
+/// what is allowed there.
 Result<std::vector<Criterion>> parse_criteria(std::string_view text);
 
-/// Returns a sentence for each condition that holds. A condition on a value that is not known
-/// counts as one that holds, since the value may be bad.
+/// Returns a sentence for each condition that holds. A condition on a value that is not known counts as
+/// true, since the value may be bad.
 std::vector<std::string> failures(const std::vector<Criterion>& criteria, const Values& values);
 
 }  // namespace sft::perf

@@ -22,23 +22,25 @@ namespace {
 
 constexpr std::size_t datagram_bytes = 60'000;  // IP cuts a datagram into frames
 constexpr std::uint64_t message_bytes_max = 128 * 1024 * 1024;
-constexpr auto wake_up_period = std::chrono::milliseconds(200);  // how soon a thread notices the end
-constexpr std::int64_t first_header_ns = 2'000'000'000;          // after this a silent peer is closed
+// The time within which a thread notices that it has to end
+constexpr auto wake_up_period = std::chrono::milliseconds(200);
+// A peer that sends no header within this time is closed
+constexpr std::int64_t first_header_ns = 2'000'000'000;
 constexpr std::int64_t never_ns = std::numeric_limits<std::int64_t>::max();
 
-/// Before each message of TCP, and in each datagram of UDP.
+/// The header before each message of TCP, and in each datagram of UDP.
 struct Header {
   std::uint64_t token = 0;
   std::uint64_t number = 0;
-  std::uint64_t bytes = 0;  ///< of the whole message, with one header
+  std::uint64_t bytes = 0;  ///< the size of the whole message, with one header
 };
 
-/// Runs until `ending`, and calls `handle` with the number and the size of each whole message.
+/// A function that is called for each whole message.
 using Handle = std::function<void(const Header&, const sockaddr_in& from)>;
 
 void prepare(int socket, Socket kind) {
   const timeval receive_timeout{0, std::chrono::microseconds(wake_up_period).count()};
-  const timeval timeout{2, 0};  // with a partner that hangs, or does not answer at all
+  const timeval timeout{2, 0};  // the limit if the peer hangs or does not answer
   setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &receive_timeout, sizeof receive_timeout);
   setsockopt(socket, SOL_SOCKET, SO_SNDTIMEO, &timeout, sizeof timeout);
   const int buffer = 8 * 1024 * 1024, on = 1;
@@ -49,8 +51,8 @@ void prepare(int socket, Socket kind) {
   }
 }
 
-/// A message that was cut off is the last one of its stream: the receiver would not find the beginning of the
-/// next one.
+/// Sends all bytes. Returns false if that fails. If only a part of the message was sent, ends the stream,
+/// because the receiver could not find the beginning of the next message.
 bool write_all(int socket, const char* data, std::size_t bytes) {
   for (const std::size_t whole = bytes; bytes > 0;) {
     const ssize_t sent = ::send(socket, data, bytes, MSG_NOSIGNAL);
@@ -79,7 +81,7 @@ void put_header(std::vector<char>& message, const Header& header) {
   std::memcpy(message.data(), &header, sizeof header);
 }
 
-/// Sends the message in as many datagrams as it needs; each has the header.
+/// Sends the message in as many datagrams as necessary. Each datagram has the header.
 bool send_datagrams(int socket, std::vector<char>& message, const sockaddr_in* to) {
   std::vector<char> datagram(std::min(message.size(), datagram_bytes));
   std::memcpy(datagram.data(), message.data(), sizeof(Header));
@@ -97,7 +99,7 @@ bool send_datagrams(int socket, std::vector<char>& message, const sockaddr_in* t
 void receive_datagrams(int socket, std::uint64_t token, const std::atomic<bool>& ending,
                        const Handle& handle) {
   std::vector<char> datagram(datagram_bytes);
-  std::uint64_t number = 0, came = 0;  // of the message of which parts have come
+  std::uint64_t number = 0, came = 0;  // the message of which parts have arrived, and their bytes
   while (!ending) {
     sockaddr_in from{};
     socklen_t length = sizeof from;
@@ -111,12 +113,13 @@ void receive_datagrams(int socket, std::uint64_t token, const std::atomic<bool>&
     number = header.number;
     came += static_cast<std::uint64_t>(bytes) - sizeof header;
     if (came < header.bytes) continue;
-    number = 0;  // the next datagram begins a message, also one with the same number
+    number = 0;  // the next datagram begins a new message, even if it has the same number
     handle(header, from);
   }
 }
 
-/// Ends as well if the first header has not come by `until_ns`.
+/// Receives messages until `ending` or the end of the stream. Also ends if the first header has not arrived
+/// by `until_ns`.
 void receive_stream(int socket, std::uint64_t token, const std::atomic<bool>& ending, std::int64_t until_ns,
                     const Handle& handle) {
   std::vector<char> body;
@@ -175,7 +178,7 @@ FloorServer::FloorServer(Socket kind, int listening, std::uint64_t token, bool a
 void FloorServer::serve_tcp() {
   while (!ending_) {
     const int peer = accept4(socket_, nullptr, nullptr, SOCK_CLOEXEC);
-    if (peer < 0) {  // after a timeout; or at once, as long as the process has no more descriptors
+    if (peer < 0) {  // after a timeout, or at once if the process has no free descriptors
       if (errno != EAGAIN) std::this_thread::sleep_for(wake_up_period);
       continue;
     }

@@ -1,5 +1,5 @@
-// Carries the same number of bytes by plain UDP and TCP sockets over IPv4, beside SFT. No library that uses
-// these protocols is quicker. Threads of both sides block in recv().
+// Carries the same number of bytes as SFT by plain UDP and TCP sockets over IPv4, for comparison. No
+// library that uses these protocols can be faster. Threads of both sides block in recv().
 #pragma once
 
 #include <atomic>
@@ -16,8 +16,8 @@ namespace sft::perf {
 
 enum class Socket : std::uint8_t { udp, tcp };
 
-/// Receives whole messages by one socket, and sends each of them back, or only counts them. It handles only
-/// messages that begin with `token`, so that no host can use it as a reflector.
+/// Receives whole messages on one socket, and either sends each of them back or only counts them. It
+/// handles only messages that begin with `token`, so that other hosts cannot use it as a reflector.
 class FloorServer {
  public:
   static Result<std::unique_ptr<FloorServer>> open(Socket kind, std::uint64_t token, bool answers);
@@ -46,7 +46,7 @@ class FloorClient {
  public:
   /// Called on a thread of the client with the number of each message that came back.
   using Answer = std::function<void(std::uint64_t number)>;
-  /// Messages have `bytes`, but at least what a header needs.
+  /// Opens a client that sends messages of `bytes` bytes, or the size of a header if that is larger.
   static Result<std::unique_ptr<FloorClient>> open(Socket kind, const std::string& host, std::uint16_t port,
                                                    std::uint64_t token, std::size_t bytes, Answer answer);
   ~FloorClient();

@@ -17,7 +17,7 @@ constexpr const char* channels[] = {"x", "y", "z", "intensity"};
 
 bool sends(PublishStatus status) { return status == PublishStatus::ok || status == PublishStatus::dropped; }
 
-/// Returns zeros as base64.
+/// Returns this number of zero bytes as base64.
 std::string base64(std::size_t bytes) {
   std::string text((bytes + 2) / 3 * 4, 'A');
   for (std::size_t i = 0; i < (3 - bytes % 3) % 3; ++i) text[text.size() - 1 - i] = '=';
@@ -68,7 +68,7 @@ Result<Sender> Sender::open(Node& node, const std::string& topic, const DynamicT
     });
   if (type.hash() != type_support<PointCloud2>().hash())
     return fail(Errc::invalid_argument, "--loan needs messages of sensor_msgs/PointCloud2");
-  constexpr std::size_t rest = 200;  // all but the data takes less
+  constexpr std::size_t rest = 200;  // an upper bound for the size of everything but the data
   const std::size_t bytes = sender.payload_->size() - std::min(sender.payload_->size(), rest);
   sender.prototype_ = cloud_without_data(bytes);
   sender.data_bytes_ = sender.prototype_.row_step;
@@ -90,7 +90,7 @@ bool Sender::send() {
   }
   if (!next_) lend();
   const bool sent = next_ && sends(std::move(*next_).publish());
-  lend();  // between samples, since zeroing its data takes time
+  lend();  // done between samples, since setting the data to zero takes time
   return sent;
 }
 

@@ -1,4 +1,4 @@
-// The message that a run sends again and again, and publishers of it.
+// The message that a run sends repeatedly, and its publishers.
 #pragma once
 
 #include <sft/sft.h>
@@ -15,20 +15,21 @@ namespace sft::perf {
 /// An encoded message, with encapsulation.
 using Payload = std::vector<std::byte>;
 
-/// Returns the JSON of a message with about so many bytes of data. Errc::invalid_argument if the type is
-/// neither sensor_msgs/PointCloud2 nor std_msgs/UInt8MultiArray.
+/// Returns the JSON of a message with about `bytes` bytes of data. Returns Errc::invalid_argument if the
+/// type is neither sensor_msgs/PointCloud2 nor std_msgs/UInt8MultiArray.
 Result<std::string> json_of_size(std::string_view type, std::size_t bytes);
 
-/// Publishes one message again and again: encoded bytes, or the same as a loan, of which only the small
-/// fields are written each time.
+/// Publishes one message repeatedly: as encoded bytes, or as a loan, in which only the small fields are
+/// written each time.
 class Sender {
  public:
-  /// Loans are possible for sensor_msgs/PointCloud2, which this program was compiled with.
+  /// Opens the publisher. Loans are possible only for sensor_msgs/PointCloud2, because the program is
+  /// compiled with this type.
   static Result<Sender> open(Node& node, const std::string& topic, const DynamicType& type,
                              std::shared_ptr<const Payload> payload, bool loans,
                              const PublisherOptions& options);
 
-  /// Returns true if the sample got a number, although a reader may miss it.
+  /// Publishes the message. Returns true if the sample got a number. A reader may still miss it.
   bool send();
   PublisherStatus status() const { return encoded_ ? encoded_->status() : loans_->status(); }
 

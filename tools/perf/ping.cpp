@@ -15,6 +15,7 @@
 #include "tools/perf/floor.h"
 #include "tools/perf/protocol.h"
 #include "tools/perf/sequence.h"
+#include "tools/terminal/file_error.h"
 #include "tools/terminal/units.h"
 
 namespace sft::perf {
@@ -23,12 +24,17 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr std::uint64_t first_samples = 10;  // not in the figures: caches are cold, and paths are chosen
-constexpr double slice_s = 1;  // of one lane, then of the next: a disturbance affects all lanes alike
-constexpr std::chrono::nanoseconds flow_control = 500ms;  // a flood waits for sides that do not keep up
-constexpr std::int64_t grace_ns = 1'000'000'000;          // for the last answers of a slice
+// Not in the results: caches are cold, and paths are not chosen yet
+constexpr std::uint64_t first_samples = 10;
+// The lanes are measured in turns of this length, so that a disturbance affects all of them
+constexpr double slice_s = 1;
+// The time for which sending without pauses waits for slow readers
+constexpr std::chrono::nanoseconds flow_control = 500ms;
+// The time for which the last answers of a slice are awaited
+constexpr std::int64_t grace_ns = 1'000'000'000;
 
-/// An answer as it came, by clocks of this side. `stamp_ns` is the time of the other host, 0 if unknown.
+/// An answer, with its time of arrival by the clocks of this host. `stamp_ns` is its time of publishing by
+/// the clock of the other host; 0: not known.
 struct Answer {
   std::uint64_t from = 0;
   std::uint64_t number = 0;
@@ -37,7 +43,8 @@ struct Answer {
   std::int64_t stamp_ns = 0;
 };
 
-/// Answers of one lane, written by threads of the node or of a socket.
+/// The answers to one lane (one of the ways of sending, result.h). Threads of the node or of a socket add
+/// them.
 class Inbox {
  public:
   void add(const Answer& answer) {
@@ -62,27 +69,28 @@ class Inbox {
   std::vector<Answer> answers_;
 };
 
-/// One way of sending, with what it has sent and received.
+/// The state of one lane: the samples that were sent, and the answers.
 struct Track {
   struct Sent {
-    std::int64_t counted_ns = 0;  ///< by counted_from()
+    std::int64_t counted_ns = 0;  ///< the result of counted_from()
     std::int64_t sent_ns = 0;
     std::int64_t time_ns = 0;
   };
   Lane lane;
   Inbox inbox;
-  std::vector<Sent> sent;                    ///< by number, from 1
-  std::map<std::uint64_t, Tally> tallies;    ///< by side
-  std::map<std::uint64_t, double> before_s;  ///< by side: the latency of the answer before
+  std::vector<Sent> sent;                    ///< the samples by their numbers, from 1
+  std::map<std::uint64_t, Tally> tallies;    ///< the samples that arrived, by side
+  std::map<std::uint64_t, double> before_s;  ///< the latency of the previous answer, by side
   std::map<std::uint64_t, std::vector<Part>> parts;
-  std::uint64_t number = 0;        ///< of the last sample that was sent
-  std::uint64_t came = 0;          ///< answers that were evaluated
+  std::uint64_t number = 0;        ///< the number of the last sample that was sent
+  std::uint64_t came = 0;          ///< the number of answers that were evaluated
   std::uint64_t warm = 0;          ///< the number of the last sample that is not in the figures
-  std::uint64_t warm_arrived = 0;  ///< samples that had arrived by then
+  std::uint64_t warm_arrived = 0;  ///< the number of samples that had arrived up to that sample
   std::optional<double> first_s;
-  std::optional<Sender> sender;  ///< none for plain sockets
+  std::optional<Sender> sender;  ///< empty for plain sockets
   std::unique_ptr<FloorClient> socket;
-  std::optional<DynamicSubscriber> answers;  ///< its callbacks use the members above
+  /// must be the last member, because its callbacks use the others
+  std::optional<DynamicSubscriber> answers;
 
   bool send(std::uint64_t next) { return sender ? sender->send() : socket->send(next); }
 };
@@ -101,10 +109,10 @@ class Ping {
         stop_(stop) {}
 
   Result<Outcome> run(const Progress& progress) {
-    prctl(PR_SET_TIMERSLACK, 1);  // send when it is due, and not up to 50 us later
+    prctl(PR_SET_TIMERSLACK, 1);  // makes waits exact to 1 ns instead of 50 us
     if (!plan_.raw_file.empty()) {
       raw_.open(plan_.raw_file);
-      if (!raw_) return fail(Errc::system, "'" + plan_.raw_file + "' cannot be written");
+      if (!raw_) return tl::unexpected(tool::cannot_be_written(plan_.raw_file));
       raw_ << "lane,sample,side,sent_ns,latency_ns\n";
     }
     if (Result<void> opened = open(); !opened) return tl::unexpected(opened.error());
@@ -114,7 +122,8 @@ class Ping {
          {std::tuple(plan_.beside_udp, Socket::udp, "udp"), std::tuple(plan_.beside_tcp, Socket::tcp, "tcp")})
       if (Result<void> met = wanted ? open_socket(kind, name) : Result<void>(); !met)
         return tl::unexpected(met.error());
-    const double samples = std::max(1.0, std::round(plan_.for_s * plan_.rate_hz));  // of each lane
+    // The number of samples of each lane
+    const double samples = std::max(1.0, std::round(plan_.for_s * plan_.rate_hz));
     double slices = std::max(1.0, std::round(plan_.for_s / slice_s));
     if (plan_.rate_hz > 0) slices = std::min(slices, samples);
     for (double done = 0; done < slices && goes_on(); ++done) {
@@ -220,7 +229,8 @@ class Ping {
     }
   }
 
-  /// Within a host the first path may be UDP, until the daemon of shared memory has started.
+  /// Returns true if the paths of the samples will not change any more. Within a host, the first path may
+  /// be UDP, until the daemon of shared memory has started.
   bool has_settled(std::int64_t since_ns) const {
     constexpr std::int64_t start_of_daemon_ns = 2'000'000'000;
     const bool may_use_shm = run_.clocks_within_s == 0 && plan_.transport != TransportChoice::udp;
@@ -242,8 +252,8 @@ class Ping {
     });
   }
 
-  /// Takes reports. Returns true if all sides have answered that mark. Once the run has begun, these are the
-  /// sides that it began with: a side that reports later has missed samples.
+  /// Takes reports. Returns true if all sides have answered this mark. During a run, only the sides with
+  /// which it began are considered, since a side that reports later has missed samples.
   bool collect(std::uint64_t mark) {
     while (const auto text = take_text(*reports_)) {
       std::optional<Report> report = report_of(*text);
@@ -263,8 +273,8 @@ class Ping {
 
   bool goes_on() const { return run_.error.empty() && !run_.interrupted && !stop_.requested(); }
 
-  /// Returns true if the user does not want to wait for reports. The first Ctrl-C only ends the sending,
-  /// since samples without a report would seem lost.
+  /// Returns true if the user does not want to wait for reports. The first Ctrl-C ends only the sending:
+  /// without reports, samples would seem lost.
   bool is_hurried() {
     if (!stop_.wait_for(0ns)) return false;
     if (run_.interrupted) return true;
@@ -273,7 +283,7 @@ class Ping {
     return false;
   }
 
-  /// Asks all sides for a report. Returns false if one of them does not answer.
+  /// Requests a report from all sides. Returns false if one of them does not answer.
   bool mark(bool ends) {
     ++offer_.mark;
     offer_.ends = ends;
@@ -302,11 +312,11 @@ class Ping {
     return sum;
   }
 
-  /// Returns how many sides get each sample. A socket goes to one of them.
+  /// Returns the number of sides that receive each sample. A plain socket sends to only one of them.
   std::size_t readers(const Track& track) const { return track.socket ? 1 : sides_.size(); }
 
-  /// Sends the first samples, which are not in the figures. Then the path and the size of a message are
-  /// known.
+  /// Sends the first samples, which are not in the results. After that, the path and the size of a message
+  /// are known.
   Result<void> warm_up(Track& track) {
     const std::uint64_t arrived_before = far_received(track);
     pace(track, first_samples, std::max(plan_.rate_hz, 20.0));
@@ -329,7 +339,7 @@ class Ping {
     return {};
   }
 
-  /// Notes by which path the samples of a stream go, and how large they are there.
+  /// Notes the path of the samples of a stream, and their size on this path.
   void describe(Track& track) const {
     track.lane.message_bytes = static_cast<double>(payload_->size());
     for (const PublisherStatus::Reader& reader : track.sender->status().readers) {
@@ -342,7 +352,7 @@ class Ping {
     }
   }
 
-  /// Tries the addresses of the other hosts until the side that has the port answers at one of them.
+  /// Tries the addresses of the other hosts until the side with the port answers at one of them.
   Result<void> open_socket(Socket kind, const char* name) {
     const Report& report = sides_.begin()->second;
     const auto port = static_cast<std::uint16_t>(kind == Socket::udp ? report.udp_port : report.tcp_port);
@@ -376,7 +386,8 @@ class Ping {
     return found;
   }
 
-  /// Sends that number of samples, or for that time, waits for the answers and evaluates them.
+  /// Sends `count` samples, or samples for `for_s` seconds if no rate is set. Then waits for the answers
+  /// and evaluates them.
   void slice(Track& track, double for_s, std::uint64_t count) {
     const Usage here = usage_now(), far = far_usage();
     const std::int64_t begin = now_ns();
@@ -395,7 +406,13 @@ class Ping {
     evaluate(track);
     track.lane.here = track.lane.here + (usage_now() - here);
     track.lane.far = track.lane.far + (far_usage() - far);
-    if (raw_.is_open()) raw_.flush();
+    flush_raw();
+  }
+
+  /// The reason is that of the first failure.
+  void flush_raw() {
+    if (raw_.is_open() && !raw_.flush() && run_.error.empty())
+      run_.error = tool::cannot_be_written(plan_.raw_file).message;
   }
 
   /// Sends by a schedule that begins now.
@@ -424,7 +441,7 @@ class Ping {
     bool is_late = false;
     const std::int64_t counted = counted_from(due, sent, period, is_late);
     if (is_late) ++track.lane.late;
-    // Noted before it is sent: the answer may come before send() returns.
+    // Noted before the sample is sent, because the answer may arrive before send() returns.
     if (plan_.answers) track.sent.push_back({counted, sent, time});
     if (track.send(track.number + 1)) {
       ++track.number;
@@ -434,7 +451,7 @@ class Ping {
     if (plan_.answers) track.sent.pop_back();
   }
 
-  /// Waits until that number of answers has come in all, or no more seem to come.
+  /// Waits until this number of answers has arrived in total, or until it seems that no more will arrive.
   void settle(Track& track, std::size_t expected) const {
     constexpr std::int64_t least_ns = 50'000'000;
     const auto longest = static_cast<std::int64_t>(track.lane.latency.max().value_or(grace_ns));
@@ -459,7 +476,7 @@ class Ping {
     } while (run_.error.empty() && mark(false) && far_received(track) != before);
   }
 
-  /// Evaluates what has come, as far as the last reports go.
+  /// Evaluates the answers that have arrived, as far as the last reports describe them.
   void evaluate(Track& track) {
     for (const Answer& answer : track.inbox.take()) {
       ++track.came;
@@ -523,7 +540,7 @@ class Ping {
   }
 
   Result<Outcome> finish() {
-    (void)is_hurried();  // a request that came after the last slice
+    (void)is_hurried();  // clears a request that came after the last slice
     if (run_.error.empty() && !mark(true)) run_.error = "the other side has not sent its last report";
     run_.answers = plan_.answers;
     run_.rate_hz = plan_.rate_hz;
@@ -544,7 +561,7 @@ class Ping {
     const std::string settings = idle_settings();
     if (plan_.rate_hz > 0 && plan_.rate_hz < low_rate_hz && !settings.empty())
       run_.remarks.push_back("at this rate processors fall idle between samples: " + settings);
-    if (raw_.is_open() && !raw_.flush()) run_.error = "'" + plan_.raw_file + "' could not be written";
+    flush_raw();
     return std::move(run_);
   }
 

@@ -17,7 +17,8 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr std::int64_t timeout_ns = 5'000'000'000;  // for the message, and for the streams after it
+// The limit for the arrival of the message, and then for the first samples
+constexpr std::int64_t timeout_ns = 5'000'000'000;
 constexpr std::size_t streams_max = 8;
 constexpr std::size_t sessions_max = 16;
 
@@ -70,10 +71,10 @@ class Echo {
   }
 
   std::optional<Sender> answers_;
-  std::mutex mutex_;  // guards the next two
+  std::mutex mutex_;  // guards the next two members
   std::uint64_t received_ = 0;
   Answered answered_;
-  std::optional<DynamicSubscriber> samples_;  // the last member: its callbacks use the others
+  std::optional<DynamicSubscriber> samples_;  // must be the last member, because its callbacks use the others
 };
 
 class Pong::Session {
@@ -93,8 +94,8 @@ class Pong::Session {
   }
 
   bool waits() const { return waits_; }
-  /// Begins if the message has come, gives up if it has not come in time, and reports that. Returns true if
-  /// it did so now.
+  /// Begins the run once the message has arrived. If it has not arrived in time, the run fails with an
+  /// error. Reports the beginning or the error. Returns true if this happened in this call.
   bool begin(Node& node) {
     if (!waits_) return false;
     if (error_.empty()) {
@@ -120,10 +121,10 @@ class Pong::Session {
     if (reports_) (void)publish_text(*reports_, text_of(report));
   }
 
-  /// The last report was made. The session stays until the side that sends has it.
+  /// Notes that the last report was made. The session is kept until the sending side has received it.
   void end() { ended_ = true; }
   bool is_under_way() const { return !ended_ && error_.empty(); }
-  /// Returns true if the side that sends is gone, or has not come.
+  /// Returns true if the sending side is gone, or has never appeared.
   bool is_left() {
     const bool is_over = !waits_ && now_ns() - since_ns_ > timeout_ns;
     if (!error_.empty() || waits_) return is_over;
@@ -137,7 +138,7 @@ class Pong::Session {
     for (const auto& echo : echoes_) received += echo->received();
     return received;
   }
-  /// Returns how many samples came since the last call.
+  /// Returns the number of samples that have arrived since the last call.
   std::uint64_t fresh() {
     const std::uint64_t now = received();
     return now - std::exchange(shown_, now);
@@ -186,7 +187,8 @@ class Pong::Session {
   std::vector<std::unique_ptr<Echo>> echoes_;
   std::unique_ptr<FloorServer> udp_, tcp_;
   std::string error_;
-  std::int64_t since_ns_ = now_ns();  ///< of the offer; then of the beginning, or of the error
+  /// The time of the offer, later the time of the beginning or of the error
+  std::int64_t since_ns_ = now_ns();
   bool waits_ = true, was_there_ = false, ended_ = false;
   std::uint64_t shown_ = 0;
 };

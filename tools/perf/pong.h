@@ -1,5 +1,5 @@
-// The side of a run that answers samples, or counts them. It serves all runs of its domain, one or several at
-// a time, and needs no types: runs bring them along.
+// The side of a run that answers or counts samples. It serves all runs of its domain, several at a time. It
+// needs no message types, because each run sends the definition of its type.
 #pragma once
 
 #include <sft/sft.h>
@@ -19,10 +19,12 @@ class Pong {
   Pong(Pong&&) noexcept;
   Pong& operator=(Pong&&) = delete;
 
-  /// Readable when step() has something to do. It also has to be called after pause().
+  /// Returns a descriptor that is readable when step() has something to do. step() must also be called
+  /// after the time that pause() returns.
   int descriptor() const;
   std::chrono::nanoseconds pause() const;
-  /// Handles what came. Returns sentences for the user: a run began, or it ended, with its figures.
+  /// Handles everything that has arrived. Returns sentences for the user: that a run began, or that it
+  /// ended, with its results.
   std::vector<std::string> step();
   /// Returns a line about the last second; empty if no run is under way.
   std::string line();

@@ -18,7 +18,8 @@ namespace {
 
 using Text = nlohmann::json;
 
-/// The library of JSON throws if a member is missing, or has another type.
+/// Returns the message that `text` contains; nothing if a member is missing or has another type. In these
+/// cases the JSON library throws.
 template <class T>
 std::optional<T> parsed(std::string_view text) {
   try {

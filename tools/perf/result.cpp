@@ -111,7 +111,7 @@ std::string text_of(const Lane& lane, const Outcome& run) {
          usage_text("far", lane.far, lane.seconds);
 }
 
-/// Colours and dashes as in the plots of docs/performance.md.
+/// The beginning of a picture, with the colours and dashes of the plots in docs/performance.md.
 constexpr const char* svg_head =
     R"svg(<svg xmlns="http://www.w3.org/2000/svg" class="plot" viewBox="0 0 420 {height}">
 <style>svg.plot {{ --ink: #1b1f24; --paper: #ffffff; --line: #d0d7de; --c0: #0969da; --c1: #bc4c00;
@@ -124,8 +124,8 @@ text {{ fill: currentColor; font: 11px system-ui, 'DejaVu Sans', sans-serif; }}
 )svg";
 constexpr const char* dashes[] = {"", "7 3", "2 3", "9 3 2 3"};
 
-/// The axes of the picture: times from `begin` on, by decades, to the right, and parts of all samples
-/// downward.
+/// The axes of the picture. Times from `begin_ns` on are horizontal, with equal widths for decades. Shares
+/// of all samples are vertical.
 struct Axes {
   double begin_ns = 1000;
   double decades = 1;

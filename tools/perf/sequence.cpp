@@ -34,7 +34,7 @@ bool Tally::note(std::uint64_t number) {
 }
 
 std::int64_t counted_from(std::int64_t due_ns, std::int64_t sent_ns, std::int64_t period_ns, bool& is_late) {
-  constexpr std::int64_t usual_ns = 1'000'000;  // what a thread may take to wake up
+  constexpr std::int64_t usual_ns = 1'000'000;  // the usual time for a thread to wake up
   is_late = sent_ns - due_ns > std::min(period_ns, usual_ns);
   return is_late ? due_ns : sent_ns;
 }

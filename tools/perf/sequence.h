@@ -1,4 +1,4 @@
-// The numbers of samples: which of them came, in which order, and which sample an answer belongs to.
+// The numbers of samples: which samples arrived, in which order, and to which sample an answer belongs.
 #pragma once
 
 #include <cstdint>
@@ -6,15 +6,16 @@
 
 namespace sft::perf {
 
-/// A part of the answers of one side. Answers have numbers of their own, since a sample that was lost is not
-/// answered: from answer `answer` on, up to the next part, they belong to consecutive samples from `sample`.
+/// A part of the answers of one side. Answers have their own numbers, since lost samples are not answered.
+/// The answers from number `answer` up to the next part belong to consecutive samples, from number `sample`
+/// on.
 struct Part {
   std::uint64_t answer = 1;
   std::uint64_t sample = 1;
   friend bool operator==(const Part&, const Part&) = default;
 };
 
-/// The side that answers notes to which samples its answers belong.
+/// Records on the answering side to which samples its answers belong.
 class Answered {
  public:
   /// Notes that the next answer belongs to this sample.
@@ -38,7 +39,8 @@ class Tally {
   /// Returns false if the sample has come before.
   bool note(std::uint64_t number);
   std::uint64_t distinct() const { return distinct_; }
-  std::uint64_t reordered() const { return reordered_; }  ///< came after one with a higher number
+  /// Samples that arrived after a sample with a higher number
+  std::uint64_t reordered() const { return reordered_; }
   std::uint64_t twice() const { return twice_; }
 
  private:
@@ -46,9 +48,9 @@ class Tally {
   std::uint64_t distinct_ = 0, reordered_ = 0, twice_ = 0, highest_ = 0;
 };
 
-/// Returns the moment from which the time of a sample counts. That is when it was sent; but if the program
-/// stalled, so that it was sent late, that is when it was due. Otherwise a stall of all samples would show as
-/// one slow sample. `is_late` says which.
+/// Returns the time from which the latency of a sample is counted. This is the time at which it was sent.
+/// If the program stalled and sent it late, it is the time at which it was due. Otherwise a stall that
+/// delays many samples would be visible in only one of them. `is_late` is set to true in the second case.
 std::int64_t counted_from(std::int64_t due_ns, std::int64_t sent_ns, std::int64_t period_ns, bool& is_late);
 
 }  // namespace sft::perf

@@ -67,7 +67,8 @@ Usage operator+(const Usage& one, const Usage& other) {
 
 HostClock host_clock() {
   timex state{};
-  const int result = adjtimex(&state);  // chrony, ntpd and phc2sys tell the kernel how well they keep it
+  // chrony, ntpd and phc2sys report the error of the clock to the kernel
+  const int result = adjtimex(&state);
   return {.boot = first_line("/proc/sys/kernel/random/boot_id"),
           .is_kept = result >= 0 && result != TIME_ERROR && (state.status & STA_UNSYNC) == 0,
           .error_s = static_cast<double>(state.maxerror) * 1e-6};

@@ -1,4 +1,4 @@
-// Little-endian numbers and texts with their lengths, as records of MCAP have them.
+// Little-endian numbers, and texts after their lengths, in the form that records of MCAP have.
 #pragma once
 
 #include <bit>
@@ -19,7 +19,7 @@ static_assert(std::endian::native == std::endian::little);
 using Bytes = std::vector<std::byte>;
 using Texts = std::map<std::string, std::string>;
 
-/// The value of a key; empty if there is none.
+/// Returns the value of the key; empty if the key is missing.
 inline std::string value_of(const Texts& texts, const char* key) {
   const auto found = texts.find(key);
   return found == texts.end() ? std::string() : found->second;
@@ -27,7 +27,7 @@ inline std::string value_of(const Texts& texts, const char* key) {
 
 inline std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
 
-/// Appends to a buffer that outlives the object.
+/// Appends numbers and texts to a buffer, which must outlive this object.
 class ByteWriter {
  public:
   explicit ByteWriter(Bytes& to) : to_(to) {}
@@ -50,7 +50,7 @@ class ByteWriter {
     }
     end_length<std::uint32_t>(length);
   }
-  /// Leaves room for the length of what follows, and returns where that is.
+  /// Leaves space for the length of the bytes that follow, and returns the position of this space.
   template <std::integral I>
   std::size_t begin_length() {
     number(I{0});
@@ -66,8 +66,8 @@ class ByteWriter {
   Bytes& to_;
 };
 
-/// Reads from a span that may end too early or contradict itself. After the first fault everything is zero or
-/// empty, and is_good() is false.
+/// Reads from a span that may end too early or contradict itself. After the first fault, all results are
+/// zero or empty, and is_good() returns false.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> from) : from_(from) {}

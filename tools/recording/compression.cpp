@@ -11,16 +11,18 @@ namespace sft::recording {
 
 namespace {
 
-constexpr int zstd_level = 1;  // higher levels are slower than sensors, and save little of their data
-constexpr std::size_t step_bytes = std::size_t{1} << 20;  // the least by which the result grows
+constexpr int zstd_level = 1;  // higher levels are slower than sensors, and save little with their data
+// the least number of bytes by which the buffer grows
+constexpr std::size_t step_bytes = std::size_t{1} << 20;
 
 Result<Bytes> wrong_size(std::uint64_t size) {
   return fail(Errc::malformed,
               "its contents do not have the " + std::to_string(size) + " bytes that it says");
 }
 
-/// Grows a buffer and fills it by `more`, which takes the room and returns how much of it was written, and
-/// whether the end was reached. Each round at least doubles the buffer, but not beyond `size`.
+/// Fills a buffer by calls of `more`, and makes it larger when it is full. `more` receives the free part of
+/// the buffer, sets the number of bytes that it has written, and returns true at the end of the data. The
+/// buffer at least doubles each time, but never exceeds `size` by more than one byte.
 template <class More>
 Result<Bytes> decompressed(std::uint64_t size, const More& more) {
   Bytes out;
@@ -28,7 +30,7 @@ Result<Bytes> decompressed(std::uint64_t size, const More& more) {
   for (;;) {
     if (used == out.size()) {
       const std::uint64_t grown = std::max<std::uint64_t>(step_bytes, 2 * std::uint64_t{used});
-      // One byte more than announced shows that the contents are larger.
+      // One more byte than `size` is allowed, in order to detect that the contents are larger.
       out.resize(static_cast<std::size_t>(std::min<std::uint64_t>(grown, size + 1)));
       if (used == out.size()) return wrong_size(size);
     }
@@ -87,7 +89,7 @@ std::string_view name_of(Compression compression) {
 }
 
 std::uint32_t crc32(std::uint32_t crc, std::span<const std::byte> bytes) {
-  if (bytes.empty()) return crc;  // for a null pointer, libdeflate begins anew
+  if (bytes.empty()) return crc;  // if the pointer were null, libdeflate would begin anew
   return libdeflate_crc32(crc, bytes.data(), bytes.size());
 }
 

@@ -10,9 +10,9 @@ namespace sft::recording {
 
 namespace {
 
-/// The name of the file as a URI. What was written last is in a file beside it as long as rosbag2 writes.
-/// Without that file SQLite is opened with the promise that nothing changes, since it would otherwise make
-/// files itself.
+/// Returns the name of the file as a URI. While rosbag2 writes, its latest data are in a second file with
+/// the ending "-wal". If there is no such file, the URI promises SQLite that nothing changes, because
+/// SQLite would otherwise create files itself.
 std::string uri_of(const std::string& path) {
   std::string uri = "file:";
   for (const char c : path) {
@@ -38,7 +38,8 @@ void Db3Reader::Close::operator()(sqlite3* database) const { sqlite3_close_v2(da
 void Db3Reader::Close::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 
 Db3Reader::Db3Reader(sqlite3* database) : database_(database) {
-  constexpr int steps = 100'000;  // some milliseconds
+  // The number of steps of SQLite between two calls of stop(). They take some milliseconds.
+  constexpr int steps = 100'000;
   const auto stop = [](void* self) { return static_cast<Db3Reader*>(self)->is_stopped() ? 1 : 0; };
   sqlite3_progress_handler(database, steps, stop, this);
 }
@@ -69,7 +70,7 @@ Db3Reader::Statement Db3Reader::prepare(const std::string& sql) {
   return Statement(made);
 }
 
-/// Goes to the next row; false: there is none, or it cannot be read.
+/// Moves to the next row. Returns false if there is none, or if it cannot be read.
 bool Db3Reader::step(const Statement& statement) {
   const int code = statement == nullptr ? SQLITE_DONE : sqlite3_step(statement.get());
   if (code != SQLITE_ROW && code != SQLITE_DONE)
@@ -77,7 +78,8 @@ bool Db3Reader::step(const Statement& statement) {
   return code == SQLITE_ROW;
 }
 
-/// A view of that name could be a query without an end.
+/// Returns true if the file has a table of that name. A view does not count, since its query might never
+/// end.
 bool Db3Reader::has_table(const char* name) {
   return step(
       prepare(std::string("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = '") + name + "'"));
@@ -108,7 +110,7 @@ void Db3Reader::read_topics() {
   }
 }
 
-/// Newer files have the definitions of their types.
+/// Only newer files have the definitions of their types.
 void Db3Reader::read_definitions() {
   if (!has_table("message_definitions")) return;
   const Statement rows =

@@ -1,4 +1,4 @@
-// Reads the SQLite files of rosbag2. They may be hostile, or still be written.
+// Reads the SQLite files of rosbag2. The files may be hostile, or rosbag2 may still be writing them.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@ namespace sft::recording {
 
 class Db3Reader final : public Recording {
  public:
-  /// Errc::malformed if the file has no tables of rosbag2.
+  /// Opens the file. Returns Errc::malformed if the file has no tables of rosbag2.
   static Result<std::unique_ptr<Db3Reader>> open(const std::string& path);
 
   std::string format() const override { return "rosbag2 (SQLite)"; }
@@ -40,7 +40,7 @@ class Db3Reader final : public Recording {
 
   std::unique_ptr<sqlite3, Close> database_;
   Statement messages_{};
-  std::map<std::int64_t, std::uint16_t> channel_of_{};  ///< by the id of the topic
+  std::map<std::int64_t, std::uint16_t> channel_of_{};  ///< channels by the ids of their topics
   Overview overview_{};
   bool is_counted_ = false;
 };

@@ -17,7 +17,8 @@ TopicEstimate::TopicEstimate(DynamicType type, const Selection* selection)
   if (!conditions.empty()) conditions_ = detail::Conditions(type_.type(), conditions);
 }
 
-/// Adds the bytes of each member from `offset` on; members of single structs count by themselves.
+/// Adds the bytes of each member of a struct at `offset`. The members of nested single structs are counted
+/// separately.
 void TopicEstimate::measure(const detail::SampleState& state, const StructType& type, std::size_t leaf,
                             std::uint64_t offset, const std::string& prefix) {
   for (const StructType::Member& m : type.members) {

@@ -1,7 +1,8 @@
-// The bytes of a recording by topic and field, and what selections would have sent instead.
+// Computes the bytes of a recording by topic and field, and the bytes that selections would have sent
+// instead.
 //
-// It does with recorded samples what publishers do with live ones: the same projections, parts and
-// conditions. Bytes are those of bodies, as the status of publishers counts them.
+// Recorded samples are processed as publishers process live samples, with the same projections, parts and
+// conditions. The bytes are those of bodies, as in the status of publishers.
 #pragma once
 
 #include <cstdint>
@@ -21,22 +22,22 @@ namespace sft::recording {
 class TopicEstimate {
  public:
   struct Field {
-    std::string path;         ///< "header.stamp.sec"; all elements of a sequence are one field
-    std::uint64_t bytes = 0;  ///< with what CDR pads
+    std::string path;         ///< "header.stamp.sec"; all elements of a sequence count as one field
+    std::uint64_t bytes = 0;  ///< the bytes of the field, including padding
   };
 
-  /// A null selection asks for all.
+  /// `selection` may be null: then all fields are selected.
   TopicEstimate(DynamicType type, const Selection* selection);
 
-  /// Counts a message with its encapsulation. The error says why it does not fit the type; then it is not
-  /// counted.
+  /// Counts a message with its encapsulation. Returns an error if the message does not fit the type. Such a
+  /// message is not counted.
   Result<void> add(std::span<const std::byte> cdr, std::uint64_t log_ns);
 
   std::uint64_t samples() const { return samples_; }
   std::uint64_t bytes() const { return bytes_; }
   std::uint64_t selected_samples() const { return selected_samples_; }
   std::uint64_t selected_bytes() const { return selected_bytes_; }
-  /// The fields by their bytes, the largest first.
+  /// Returns the fields by size, the largest first.
   std::vector<Field> fields() const;
   const DynamicType& type() const { return type_; }
 
@@ -51,12 +52,12 @@ class TopicEstimate {
   std::optional<detail::ProjectionPlan> plan_{};
   detail::Conditions conditions_{};
   detail::Projection projection_{};
-  std::vector<std::uint64_t> body_{};  ///< aligned to 8
+  std::vector<std::uint64_t> body_{};  ///< memory for a body, aligned to 8
   std::vector<std::uint32_t> index_{};
   std::map<std::string, std::uint64_t> fields_{};
   std::uint64_t samples_ = 0, bytes_ = 0;
   std::uint64_t selected_samples_ = 0, selected_bytes_ = 0;
-  std::optional<std::int64_t> slot_{};  ///< of the maximum rate, in which the last sample passed
+  std::optional<std::int64_t> slot_{};  ///< the period of the maximum rate in which the last sample passed
 };
 
 }  // namespace sft::recording

@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::size_t window_bytes = std::size_t{1} << 16;
 
-/// Returns how many bytes were read; fewer than asked for at the end, or with an error, which is in errno.
+/// Reads bytes, and returns their number. The number is smaller than requested at the end of the file, or
+/// after an error, which is in errno.
 std::size_t read_at(int descriptor, std::uint64_t offset, std::span<std::byte> to) {
   std::size_t done = 0;
   errno = 0;
@@ -32,7 +33,7 @@ std::size_t read_at(int descriptor, std::uint64_t offset, std::span<std::byte> t
 }  // namespace
 
 Result<File> File::open(const std::string& path) {
-  // Without O_NONBLOCK, the open of a FIFO waits for a writer. For files it changes nothing.
+  // Without O_NONBLOCK, opening a FIFO would wait for a writer. For regular files, the flag has no effect.
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   struct stat about {};
   if (descriptor < 0 || fstat(descriptor, &about) != 0 || !S_ISREG(about.st_mode)) {

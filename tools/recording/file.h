@@ -1,4 +1,4 @@
-// A file that is read at any place.
+// A file from which bytes are read at any offset.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@ namespace sft::recording {
 
 class File {
  public:
-  /// Errc::unavailable if there is no such file; all errors name it.
+  /// Opens the file. Returns Errc::unavailable if there is no such file. All errors name the file.
   static Result<File> open(const std::string& path);
-  /// Takes over an open descriptor, which `name` names in errors.
+  /// Takes over an open descriptor. Errors call the file `name`.
   File(int descriptor, std::uint64_t size, std::string name)
       : descriptor_(descriptor), size_(size), name_(std::move(name)) {}
   File(File&& other) noexcept;
@@ -24,8 +24,8 @@ class File {
   std::uint64_t size() const { return size_; }
   const std::string& name() const { return name_; }
 
-  /// Returns these bytes, which are valid until the next call; fewer at the end of the file, or where the
-  /// system refuses to read.
+  /// Returns these bytes, which are valid until the next call. There are fewer bytes at the end of the
+  /// file, or if the system refuses to read.
   std::span<const std::byte> look(std::uint64_t offset, std::size_t length);
   /// Returns a copy of these bytes. The error says why the system refuses to read.
   Result<Bytes> read(std::uint64_t offset, std::uint64_t length) const;

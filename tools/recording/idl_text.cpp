@@ -115,11 +115,11 @@ class IdlReader {
     }
   }
 
-  /// Reads what comes behind a name: the length of an array.
+  /// Reads the length of an array after a name, if there is one, and the semicolon.
   void end_of_type(std::string& type) {
     if (take("[")) type += "[" + next() + "]", expect("]");
     expect(";");
-    // An alias of aliases could become as long as memory is large.
+    // The limit is needed because aliases of aliases could use up all memory.
     if (type.size() > type_most) refuse("a type has more than " + std::to_string(type_most) + " characters");
   }
 
@@ -133,7 +133,7 @@ class IdlReader {
       std::string type = type_name();
       const std::string member = next();
       end_of_type(type);
-      // ROS 2 writes this member for a message without fields, which have none in .msg.
+      // ROS 2 writes this member into the IDL of a message without fields. The .msg file has no member.
       if (member != "structure_needs_at_least_one_member") lines += type + " " + member + "\n";
     }
     take(";");
@@ -175,7 +175,8 @@ class IdlReader {
   std::vector<std::string> words_;
   std::size_t at_ = 0;
   std::map<std::string, std::string> aliases_;
-  std::map<std::string, std::string> messages_;  ///< the lines of each, by a name like "my_msgs/Status"
+  /// The lines of each message, by a name such as "my_msgs/Status"
+  std::map<std::string, std::string> messages_;
   std::string fault_;
 };
 

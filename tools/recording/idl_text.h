@@ -1,4 +1,4 @@
-// Definitions in "ros2idl", as those in "ros2msg".
+// Converts definitions in the form "ros2idl" to the form "ros2msg".
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace sft::recording {
 
-/// Returns the definition of `name` ("my_msgs/msg/Status"), and of all that the text defines beside it, as
-/// "ros2msg" has them. It reads the IDL that ROS 2 makes of its messages: structs, arrays by typedef,
-/// sequences, bounds. Constants and annotations are skipped. The text may be hostile; the error names what
-/// the reader does not know.
+/// Returns the definition of `name` ("my_msgs/msg/Status") and of all other types in the text, in the form
+/// "ros2msg". Reads the IDL that ROS 2 generates from messages: structs, arrays by typedef, sequences and
+/// bounds. Constants and annotations are skipped. The text may be hostile. The error names the first
+/// construct that is not supported.
 Result<std::string> msg_of_idl(std::string_view name, std::string_view text);
 
 }  // namespace sft::recording

@@ -1,5 +1,5 @@
-// The parts of a recording, in the words of MCAP (https://mcap.dev/spec). All structs are values, except
-// that the data of a message belong to the object that made it.
+// The parts of a recording, with the names of MCAP (https://mcap.dev/spec). All structs are values, but the
+// data of a message belong to the object that made the message.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,7 @@ enum class Opcode : std::uint8_t {
 };
 
 inline constexpr std::size_t record_head_bytes = 9;    ///< the opcode, and the length of what follows
-inline constexpr std::size_t message_head_bytes = 22;  ///< what a message record has before its data
+inline constexpr std::size_t message_head_bytes = 22;  ///< the size of a message record before its data
 
 /// The definition of a message type.
 struct Schema {
@@ -44,10 +44,11 @@ struct Schema {
   friend bool operator==(const Schema&, const Schema&) = default;
 };
 
-/// The messages of a topic that have one schema, and here also one publisher's QoS.
+/// A channel has the messages of one topic and schema. In SFT's files, it also has only one publisher's
+/// QoS.
 struct Channel {
   std::uint16_t id = 0;
-  std::uint16_t schema = 0;  ///< 0: none
+  std::uint16_t schema = 0;  ///< the id of the schema; 0: there is none
   std::string topic{};
   std::string encoding = "cdr";
   Texts metadata{};
@@ -57,8 +58,8 @@ struct Channel {
 struct Message {
   std::uint16_t channel = 0;
   std::uint32_t sequence = 0;
-  std::uint64_t log_ns = 0;      ///< when it was recorded, by the clock of the recording
-  std::uint64_t publish_ns = 0;  ///< when it was published, by the clock of the publisher
+  std::uint64_t log_ns = 0;      ///< the time of recording, by the clock of the recorder
+  std::uint64_t publish_ns = 0;  ///< the time of publishing, by the clock of the publisher
   std::span<const std::byte> data{};
 };
 

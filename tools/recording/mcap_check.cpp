@@ -1,4 +1,4 @@
-// McapReader::check(): everything that a file says of itself is compared with its records.
+// McapReader::check() compares the indexes, checksums and statistics of a file with its records.
 #include <algorithm>
 #include <set>
 #include <utility>
@@ -52,7 +52,7 @@ void McapReader::check_place(const Place& place, std::map<std::uint16_t, std::ui
   check_indexes(place, *bytes, messages);
 }
 
-/// Compares the message indexes behind a chunk with its messages.
+/// Compares the message indexes after a chunk with the messages in it.
 void McapReader::check_indexes(const Place& place, const Bytes& bytes, std::uint64_t messages) {
   const std::uint64_t begin = place.data_offset + place.data_bytes;
   if (place.index_end <= begin) return;  // a file may have no indexes

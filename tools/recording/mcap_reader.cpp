@@ -10,10 +10,11 @@ namespace sft::recording {
 
 namespace {
 
-constexpr std::uint64_t run_bytes = std::uint64_t{1}
-                                    << 20;  // messages without a chunk are read in such pieces
-constexpr std::uint64_t texts_most = 16;    // of the largest definitions, which all together may have
-constexpr std::size_t chunk_head_bytes = 8 + 8 + 8 + 4 + 4;  // of a chunk, in front of its compression
+// The size of the pieces in which messages without a chunk are read
+constexpr std::uint64_t run_bytes = std::uint64_t{1} << 20;
+constexpr std::uint64_t texts_most = 16;  // the limit of all definitions, as a multiple of Limits::text_bytes
+// The size of the part of a chunk before the name of its compression
+constexpr std::size_t chunk_head_bytes = 8 + 8 + 8 + 4 + 4;
 
 const char* name_of_kind(Opcode opcode) {
   constexpr std::array names = {"Record",     "Header",        "Footer",          "Schema",
@@ -69,7 +70,7 @@ void McapReader::scan() {
     add_fault("the file does not end with its magic bytes");
 }
 
-/// Returns false if something prevents the walk from going on.
+/// Visits the records. Returns false if the walk had to end early because of a fault.
 bool McapReader::scan_from(std::uint64_t offset, std::uint64_t end) {
   while (offset < end && !found_.footer) {
     ByteReader head(file_.look(offset, record_head_bytes));
@@ -106,7 +107,7 @@ bool McapReader::scan_record(Opcode opcode, std::uint64_t offset, std::uint64_t 
         found_.places.back().index_end = content + length;
       return true;
     case Opcode::attachment: {
-      // The data may be large; only what is in front of them is read.
+      // Only the part before the data is read, because the data may be large.
       ByteReader from(file_.look(content, static_cast<std::size_t>(std::min<std::uint64_t>(length, 4096))));
       from.raw(16);
       const std::string label(from.text());
@@ -136,7 +137,7 @@ bool McapReader::scan_record(Opcode opcode, std::uint64_t offset, std::uint64_t 
       return true;
     }
     default:
-      return true;  // other records are an index of the summary, or a later version's
+      return true;  // other records are an index in the summary, or belong to a later version
   }
 }
 
@@ -259,7 +260,7 @@ void McapReader::add_statistics(ByteReader from) {
   if (from.is_good() && counts.is_good()) found_.statistics = std::move(statistics);
 }
 
-/// Goes on behind a place that is damaged: the summary at the end of the file names all chunks.
+/// Continues after damaged bytes by means of the summary at the end of the file, which lists all chunks.
 void McapReader::go_on_by_index() {
   const std::uint64_t tail = record_head_bytes + 20 + magic.size();
   if (found_.footer || file_.size() < tail + magic.size()) return;
@@ -296,7 +297,7 @@ void McapReader::rewind(std::uint64_t from_ns, const std::set<std::uint16_t>* on
   only_ = only == nullptr ? std::nullopt : std::optional(*only);
 }
 
-/// Returns the records of the place, and names what is wrong with them.
+/// Returns the uncompressed records of the place. Reports faults in them.
 std::optional<Bytes> McapReader::bytes_of_place(const Place& place) {
   const std::string label = name(place.is_chunk ? Opcode::chunk : Opcode::message, place.offset);
   if (place.size > limits_.chunk_bytes || place.data_bytes > limits_.chunk_bytes) {
@@ -344,7 +345,7 @@ std::optional<Block> McapReader::opened(const Place& place) {
   return block;
 }
 
-/// Opens each place that may have the next message.
+/// Reads each place that may have the next message.
 void McapReader::open_due_blocks() {
   while (next_place_ < found_.places.size()) {
     const Place& place = found_.places[next_place_];
@@ -365,7 +366,8 @@ void McapReader::open_due_blocks() {
   }
 }
 
-/// Reads the rest of a block's messages. Returns false if they cannot be read.
+/// Reads the block again for the messages that were dropped from memory. Returns false if they cannot be
+/// read.
 bool McapReader::reopen(Block& block) {
   const Place& place = *block.place;
   reread_ += place.size;
@@ -385,7 +387,7 @@ bool McapReader::reopen(Block& block) {
   return true;
 }
 
-/// Gives each block an equal part of memory if they need more of it.
+/// Limits each block to an equal part of the memory if all blocks together need more than the limit.
 void McapReader::keep_within_memory(const Block& in_use) {
   std::uint64_t total = 0;
   for (const Block& block : open_) total += block.memory();
@@ -410,7 +412,7 @@ std::optional<Message> McapReader::next() {
     const std::uint64_t offset = first->entries[first->at++].offset;
     ByteReader from(std::span(first->bytes).subspan(static_cast<std::size_t>(offset) + 1));
     Message message;
-    // The file may have changed since it was first read.
+    // The bytes are checked again, because the file may have changed since it was first read.
     if (!read_message(from.raw(from.number<std::uint64_t>()), message) ||
         !channels_.contains(message.channel)) {
       add_fault("the file changes while it is read");

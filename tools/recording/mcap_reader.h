@@ -1,9 +1,10 @@
-// Reads MCAP. The file may be hostile, damaged, or still be written: what can be read is read.
+// Reads MCAP. The file may be hostile or damaged, or a program may still be writing it. Everything that can
+// be read is read.
 //
-// open() walks over the heads of all records, and reads no chunk. So it needs no summary, and the walk takes
-// one look per chunk. Chunks may overlap in time, and come in any order. next() has those in memory of which
-// the times overlap, but not more than a limit: beyond it, it has the next messages of each, and reads a
-// chunk again when these have been returned.
+// open() reads the heads of all records, but not the contents of chunks. So it needs no summary, and reads
+// only a few bytes of each chunk. Chunks may overlap in time, and may be in any order. next() keeps the
+// chunks in memory that overlap in time, up to a limit. Beyond the limit, it keeps only the next messages
+// of each chunk, and reads the chunk again when these messages have been returned.
 #pragma once
 
 #include <list>
@@ -21,15 +22,18 @@ class McapReader final : public Recording {
  public:
   /// The limits that the reader never exceeds.
   struct Limits {
-    std::uint64_t chunk_bytes = std::uint64_t{1} << 30;  ///< the largest chunk when it is not compressed
-    /// For the messages of all chunks that overlap. The chunk that is being read comes on top.
+    std::uint64_t chunk_bytes = std::uint64_t{1} << 30;  ///< the maximum size of an uncompressed chunk
+    /// The limit for the messages of all chunks that overlap. The memory for the chunk that is being read
+    /// is not included.
     std::uint64_t memory_bytes = std::uint64_t{1} << 28;
-    std::uint64_t reread_bytes = std::uint64_t{1} << 36;  ///< of all chunks that are read again
-    /// The largest record of a schema, channel or metadata. All definitions together have 16 times as much.
+    /// The limit for the bytes of all chunks that are read again
+    std::uint64_t reread_bytes = std::uint64_t{1} << 36;
+    /// The maximum size of a record with a schema, a channel or metadata. All definitions together have at
+    /// most 16 times this size.
     std::uint64_t text_bytes = std::uint64_t{1} << 24;
   };
 
-  /// Errc::malformed if the file does not begin like MCAP.
+  /// Opens the file. Returns Errc::malformed if it does not begin with the magic bytes of MCAP.
   static Result<std::unique_ptr<McapReader>> open(File file, const Limits& limits);
   static Result<std::unique_ptr<McapReader>> open(File file) { return open(std::move(file), Limits()); }
 
@@ -51,15 +55,16 @@ class McapReader final : public Recording {
     std::uint64_t summary = 0;
     std::uint32_t crc = 0;
   };
-  /// The records that the walk over the file found.
+  /// The records that were found in the file.
   struct Found {
     std::string profile{}, library{};
-    std::vector<Place> places{};               ///< by their first time once the walk is over
-    std::map<std::uint64_t, Place> indexed{};  ///< what chunk indexes say, by offset
-    std::vector<std::pair<std::uint64_t, std::uint64_t>> attachments{};  ///< their offsets and lengths
+    std::vector<Place> places{};  ///< the places; after the walk, they are sorted by their first times
+    std::map<std::uint64_t, Place> indexed{};  ///< the contents of chunk indexes, by the offset of the chunk
+    /// offsets and lengths of the attachments
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> attachments{};
     std::optional<Statistics> statistics{};
     std::optional<Footer> footer{};
-    std::uint64_t data_end = 0;  ///< the offset of the record; 0: there is none
+    std::uint64_t data_end = 0;  ///< the offset of the record "data end"; 0: there is none
     std::uint32_t data_crc = 0;
     bool has_summary_channels = false;
   };
@@ -93,12 +98,12 @@ class McapReader final : public Recording {
   Found found_{};
   Overview overview_{};
   bool is_counted_ = false;
-  std::uint64_t definition_bytes_ = 0;  ///< of schemas and channels
+  std::uint64_t definition_bytes_ = 0;  ///< the size of all schemas and channels
 
   // The state of next().
   std::list<Block> open_{};
   std::size_t next_place_ = 0;
-  std::uint64_t reread_ = 0;  ///< the bytes of the chunks that were read again
+  std::uint64_t reread_ = 0;  ///< the size of the chunks that were read again
   std::uint64_t from_ns_ = 0;
   std::optional<std::set<std::uint16_t>> only_{};
   std::list<Block>::iterator given_ = open_.end();  ///< the block of the message that next() returned last

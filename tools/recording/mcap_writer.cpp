@@ -117,13 +117,13 @@ Result<void> McapWriter::append(std::span<const std::span<const std::byte>> part
     done += written;
     if (written > 0) continue;
     const int code = errno == 0 ? EIO : errno;
-    // Without the half record, readers find the end of the last whole one.
+    // Removes the incomplete record, so that the file ends with the last complete record.
     if (ftruncate(descriptor_, static_cast<off_t>(offset_)) == 0)
       (void)lseek(descriptor_, static_cast<off_t>(offset_), SEEK_SET);
     return fault(code);
   }
   for (const auto& part : parts) crc_ = crc32(crc_, part);
-  // The system begins to write now, so that a lost disk has nearly everything.
+  // The system starts to write now, so that nearly all data are on the disk if it is removed.
   (void)sync_file_range(descriptor_, static_cast<off_t>(offset_), static_cast<off_t>(size),
                         SYNC_FILE_RANGE_WRITE);
   offset_ += size;
@@ -141,7 +141,7 @@ void McapWriter::add_definitions(std::uint16_t channel, Chunk& chunk) {
   chunk.defines = true;
 }
 
-/// Appends the head of a message record; its data follow.
+/// Appends the head of a message record. The caller appends the data.
 void McapWriter::add_head(const Message& message, Chunk& chunk) {
   add_definitions(message.channel, chunk);
   chunk.messages[message.channel].emplace_back(message.log_ns, chunk.records.size());
@@ -160,7 +160,7 @@ Result<void> McapWriter::write(const Message& message) {
   if (failed_) return fault(EIO);
   const bool is_large = message.data.size() >= options_.large_bytes;
   if (is_large && open_.defines) {
-    // The message may need these definitions, which have to be in front of it.
+    // The message may need these definitions, which must be before it in the file.
     if (const Result<void> done = flush(); !done) return done;
   }
   Chunk own;
@@ -199,7 +199,7 @@ Bytes McapWriter::chunk_head(const Chunk& chunk, std::uint64_t size, std::uint64
   return head;
 }
 
-/// Writes the records of a chunk, of which the last one goes on in `tail`, and their indexes.
+/// Writes the records of a chunk and their indexes. The last record continues in `tail`.
 Result<void> McapWriter::write_chunk(Chunk& chunk, std::span<const std::byte> tail) {
   const std::uint64_t size = chunk.records.size() + tail.size();
   const std::uint32_t crc = crc32(crc32(0, chunk.records), tail);
@@ -282,7 +282,8 @@ Result<void> McapWriter::write_attachment(std::span<const std::byte> content) {
 }
 
 Result<void> McapWriter::sync() const {
-  if (fdatasync(descriptor_) == 0 || errno == EINVAL || errno == EROFS) return {};  // not a file of a disk
+  // The file is not on a disk
+  if (fdatasync(descriptor_) == 0 || errno == EINVAL || errno == EROFS) return {};
   return fail(Errc::system, "'" + path_ + "' cannot be written: " + std::generic_category().message(errno));
 }
 
@@ -328,7 +329,7 @@ void McapWriter::add_chunk_index(Bytes& to, const ChunkOfFile& chunk) const {
   });
 }
 
-/// Returns the end of the file, from the record behind the last chunk on.
+/// Returns the end of the file: everything after the last chunk.
 Bytes McapWriter::summary() const {
   Bytes end;
   add_record(end, Opcode::data_end, [&](ByteWriter& writer) { writer.number(crc_); });
@@ -391,7 +392,7 @@ Result<void> McapWriter::close() {
   Result<void> done;
   if (!failed_) done = flush();
   const bool was_whole = done.has_value() && !failed_;
-  // A half chunk that was removed may have left room for the summary.
+  // If an incomplete chunk was removed, there may be enough space for the summary.
   const Bytes end = summary();
   const std::array<std::span<const std::byte>, 1> parts{end};
   if (const Result<void> ended = append(parts); !ended && was_whole) done = ended;

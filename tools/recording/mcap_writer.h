@@ -1,8 +1,8 @@
 // Writes MCAP: chunks with message indexes, a summary, statistics and checksums.
 //
-// A file is complete up to the last chunk whatever ends the program, and a failed write leaves no half
-// record. Large messages get chunks of their own, so that others can be read without unpacking them; the
-// chunk of the small ones stays open meanwhile.
+// In whatever way the program ends, the file is complete up to the last chunk. A failed write leaves no
+// incomplete record. Each large message gets its own chunk, so that other messages can be read without
+// decompressing it. Meanwhile, the chunk of the small messages stays open.
 #pragma once
 
 #include <cstdint>
@@ -21,38 +21,40 @@ class McapWriter {
  public:
   struct Options {
     Compression compression = Compression::none;
-    std::size_t chunk_bytes = std::size_t{1} << 20;  ///< a chunk is written once it has as many
-    std::size_t large_bytes = std::size_t{1} << 18;  ///< from this size on a message has its own chunk
+    std::size_t chunk_bytes = std::size_t{1} << 20;  ///< a chunk is written once it has this size
+    std::size_t large_bytes = std::size_t{1} << 18;  ///< a message of at least this size gets its own chunk
     std::string library = "sft";
   };
 
-  /// Makes the file. The error names it, also if it exists already.
+  /// Creates the file. The error contains its name. It is an error if the file exists.
   static Result<McapWriter> create(const std::string& path, const Options& options);
   McapWriter(McapWriter&& other) noexcept;
   McapWriter& operator=(McapWriter&&) = delete;
-  ~McapWriter();  ///< leaves an unfinished file if close() was not called
+  ~McapWriter();  ///< if close() was not called, the file has no summary
 
-  /// Declares what messages refer to. It is written in front of the first message that needs it.
+  /// Declares a schema or a channel. It is written to the file before the first message that needs it.
   void declare(Schema schema) { schemas_[schema.id].first = std::move(schema); }
   void declare(Channel channel) { channels_[channel.id].first = std::move(channel); }
   bool has_channel(std::uint16_t id) const { return channels_.contains(id); }
 
-  /// Appends a message of a declared channel. After an error the file only takes close().
+  /// Appends a message of a declared channel. After an error, only close() may be called.
   Result<void> write(const Message& message);
-  /// Writes the chunk that is open.
+  /// Writes the open chunk.
   Result<void> flush();
   /// Appends a metadata record.
   Result<void> write_metadata(std::string_view name, const Texts& texts);
-  /// Appends an attachment record of another file.
+  /// Appends the attachment record of another file. `content` is its whole content.
   Result<void> write_attachment(std::span<const std::byte> content);
-  /// Waits until the disk has what was written.
+  /// Waits until everything that was written is on the disk.
   Result<void> sync() const;
-  /// Writes the summary and closes the file. If the disk has no room for it, what was written before stays.
+  /// Writes the summary and closes the file. If the disk has no space for the summary, the rest of the file
+  /// is kept.
   Result<void> close();
 
   const std::string& path() const { return path_; }
   std::uint64_t bytes() const { return offset_; }  ///< the size of the file, without the chunk that is open
-  /// The messages in the file, without those of the chunk that is open; also those of one channel.
+  /// Return the number of messages in the file, of all channels or of one channel, without those in the
+  /// open chunk.
   std::uint64_t messages() const { return messages_; }
   std::uint64_t messages(std::uint16_t channel) const {
     const auto found = of_channel_.find(channel);
@@ -65,10 +67,10 @@ class McapWriter {
     std::map<std::uint16_t, std::uint64_t> indexes;
     std::uint64_t indexes_length, data_bytes, size;
   };
-  /// Records that are written together.
+  /// Records that are written together to the file.
   struct Chunk {
     Bytes records{};
-    bool defines = false;  ///< it has a schema or a channel
+    bool defines = false;  ///< true: the chunk contains a schema or a channel
     std::uint64_t first_ns = UINT64_MAX, last_ns = 0;
     std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> messages{};
   };
@@ -89,7 +91,7 @@ class McapWriter {
   void add_statistics(Bytes& to) const;
   void add_chunk_index(Bytes& to, const ChunkOfFile& chunk) const;
   Bytes summary() const;
-  /// Writes all of it or nothing.
+  /// Appends all bytes, or none of them if there is an error.
   Result<void> append(std::span<const std::span<const std::byte>> parts);
   Result<void> fault(int code);
 
@@ -97,7 +99,7 @@ class McapWriter {
   std::string path_;
   Options options_;
   std::uint64_t offset_ = 0;
-  std::uint32_t crc_ = 0;  ///< of everything so far
+  std::uint32_t crc_ = 0;  ///< the checksum of all bytes so far
   bool failed_ = false;
   std::uint64_t messages_ = 0;
   Chunk open_{};

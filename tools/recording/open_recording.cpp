@@ -22,7 +22,7 @@ bool is_db3(File& file) {
   return std::ranges::equal(file.look(0, begin.size()), bytes_of(begin));
 }
 
-/// Removes definitions that come again: rosbag2 has written nested ones once for each use.
+/// Removes repeated definitions, because rosbag2 has written a nested type once for each use.
 std::string without_repetitions(const std::string& text) {
   const std::string separator(80, '=');
   std::string all = text.substr(0, text.find(separator));
@@ -70,7 +70,8 @@ Result<std::vector<std::string>> files_of(const std::string& path) {
   }
   if (error) return fail(Errc::system, "'" + path + "' cannot be read: " + error.message());
   if (files.empty()) return fail(Errc::unavailable, "'" + path + "' has no .mcap and no .db3 file");
-  // Split files end with a number: the tenth one comes behind the ninth.
+  // The names of split files end with a number. The file with the number 10 comes after the file with the
+  // number 9.
   std::ranges::sort(files, [](const std::string& a, const std::string& b) {
     return std::pair(a.size(), a) < std::pair(b.size(), b);
   });

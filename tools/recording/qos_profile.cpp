@@ -12,7 +12,7 @@ constexpr std::uint32_t history_most = 128;  // PublisherOptions::history_depth
 
 std::string duration_lines(std::chrono::nanoseconds duration) {
   constexpr std::int64_t second = 1'000'000'000;
-  // Without a limit, rosbag2 writes the largest duration.
+  // rosbag2 writes the largest duration for an unlimited duration.
   const std::int64_t ns = duration.count() == 0 ? INT64_MAX : duration.count();
   return "\n    sec: " + std::to_string(ns / second) + "\n    nsec: " + std::to_string(ns % second) + "\n";
 }
@@ -23,7 +23,7 @@ std::string_view trim(std::string_view text) {
   return first == text.npos ? std::string_view() : text.substr(first, last - first + 1);
 }
 
-/// One profile, as far as publishers need it.
+/// The members of a profile that publishers need.
 struct Profile {
   bool is_reliable = false;
   bool is_retained = false;

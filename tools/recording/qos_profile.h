@@ -1,4 +1,5 @@
-// The QoS of publishers as rosbag2 writes it into recordings ("offered_qos_profiles", a text in YAML).
+// The QoS of publishers in the form that rosbag2 writes into recordings ("offered_qos_profiles", a text in
+// YAML).
 #pragma once
 
 #include <string>
@@ -8,12 +9,13 @@
 
 namespace sft::recording {
 
-/// The text for one publisher.
+/// Returns the text for one publisher.
 std::string to_profile(const Qos& offered);
 
-/// The QoS with which a topic is offered again, so that whoever heard one of the publishers hears it: the
-/// strongest of all profiles, and history for the retained samples of all. The text may be anything: what it
-/// does not say stays as it is by default. A depth of 0, which means unknown, counts as 1.
+/// Returns the QoS with which a topic is published again, so that each subscriber that matched one of the
+/// publishers matches again: the strongest of all profiles, with a history for the retained samples of all
+/// publishers. The text may have any content. Members that it does not have keep their default values. A
+/// depth of 0, which means unknown, counts as 1.
 Qos from_profiles(std::string_view text);
 
 }  // namespace sft::recording

@@ -24,7 +24,7 @@ bool Recording::is_stopped() {
 }
 
 void Recording::add(Schema schema, const std::string& where) {
-  if (schema.id == 0) return;  // the specification says that readers ignore it
+  if (schema.id == 0) return;  // the specification of MCAP requires readers to ignore this schema
   const auto [known, is_new] = schemas_.try_emplace(schema.id, schema);
   if (!is_new && known->second != schema)
     add_fault(where + ": schema " + std::to_string(schema.id) + " is there twice, with two definitions");

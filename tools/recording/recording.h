@@ -1,5 +1,5 @@
-// A recording as it is read: its channels, and its messages in the order of their log times. MCAP and the
-// SQLite files of rosbag2 are read alike.
+// The interface for reading a recording: its channels, and its messages in the order of their log times.
+// There are implementations for MCAP and for the SQLite files of rosbag2.
 #pragma once
 
 #include <cstdint>
@@ -16,13 +16,13 @@
 
 namespace sft::recording {
 
-/// The contents of a recording in numbers, as its summary says or as its messages were counted.
+/// The contents of a recording in numbers, from its summary or from counting its messages.
 struct Overview {
   std::uint64_t messages = 0;
   std::uint64_t first_ns = 0;  ///< the log time of the first message; 0: there is none
   std::uint64_t last_ns = 0;
-  std::map<std::uint16_t, std::uint64_t> of_channel{};  ///< the number of its messages
-  std::map<std::string, std::uint64_t> chunks{};        ///< the number of chunks by compression
+  std::map<std::uint16_t, std::uint64_t> of_channel{};  ///< the number of messages of each channel
+  std::map<std::string, std::uint64_t> chunks{};        ///< the number of chunks with each compression
   std::map<std::string, Texts> metadata{};              ///< the last metadata record of each name
   std::map<std::string, std::uint64_t> attachments{};   ///< sizes by name
 };
@@ -31,28 +31,30 @@ class Recording {
  public:
   virtual ~Recording() = default;
 
-  /// "MCAP" or "rosbag2 (SQLite)", with the profile and the writer as far as the file names them.
+  /// Returns "MCAP" or "rosbag2 (SQLite)", followed by the profile and the name of the writer if the file
+  /// has them.
   virtual std::string format() const = 0;
-  /// Counts the messages if the file does not say how many there are.
+  /// Returns the overview. Counts the messages if the file does not have their number.
   virtual const Overview& overview() = 0;
-  /// Begins anew, with the first message that was logged at `from_ns` or later. Only messages of these
-  /// channels are read; null: of all.
+  /// Starts reading at the first message that was logged at `from_ns` or later. Only messages of the
+  /// channels in `only` are read; null: messages of all channels.
   virtual void rewind(std::uint64_t from_ns = 0, const std::set<std::uint16_t>* only = nullptr) = 0;
-  /// Returns the next message, whose data are valid until the next call; nothing at the end. What cannot be
-  /// read is left out, and named by faults().
+  /// Returns the next message, or nothing after the last message. Its data are valid until the next call.
+  /// Messages that cannot be read are skipped, and faults() reports them.
   virtual std::optional<Message> next() = 0;
   /// Calls `each` with the contents of the attachment records that can be read.
   virtual void read_attachments(const std::function<void(const Bytes&)>& each) { (void)each; }
-  /// Reads everything, and compares it with what the file says of it.
+  /// Reads the whole file, and compares its indexes and statistics with its records. Differences are
+  /// faults.
   virtual void check() = 0;
-  /// Sets a function that long operations call from time to time. They end early once it returns true, and
-  /// faults() then says so.
+  /// Sets a function that long operations call from time to time. If it returns true, the operation ends
+  /// early and adds a fault about this.
   void set_is_stopped(std::function<bool()> is_stopped) { is_stopped_ = std::move(is_stopped); }
 
   const std::map<std::uint16_t, Schema>& schemas() const { return schemas_; }
   const std::map<std::uint16_t, Channel>& channels() const { return channels_; }
-  /// Returns the faults that were found so far, each once: "Chunk at offset 4711: its checksum is wrong; it
-  /// is left out".
+  /// Returns the faults that were found so far, each once, such as "Chunk at offset 4711: its checksum is
+  /// wrong; it is left out".
   const std::vector<std::string>& faults() const { return faults_; }
 
  protected:

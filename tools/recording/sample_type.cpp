@@ -17,14 +17,14 @@ using Member = StructType::Member;
 
 constexpr std::size_t separator_width = 80;
 
-/// "std_msgs/Header", as members name their types in .msg.
+/// Returns the name of the type as .msg files have it for members: "std_msgs/Header".
 std::string member_type_name(std::string_view name) {
   std::string text = ros_type_name(name);
   if (const std::size_t at = text.find("/msg/"); at != text.npos) text.erase(at, 4);
   return text;
 }
 
-/// The lines of each definition in a text of to_msg(): one for each member, in order.
+/// The lines of each definition in a text from to_msg(): one line for each member, in order.
 using Lines = std::vector<std::string>;
 
 std::map<std::string, Lines> lines_by_type(const std::string& root, const std::string& text) {
@@ -46,13 +46,13 @@ std::map<std::string, Lines> lines_by_type(const std::string& root, const std::s
   return definitions;
 }
 
-/// Writes the definition of a type without the fields that a mask does not have.
+/// Writes the definition of a type, without the fields that are not in a mask.
 class ProjectedDefinition {
  public:
   explicit ProjectedDefinition(std::map<std::string, Lines> whole) : whole_(std::move(whole)) {}
 
-  /// Returns the name of the type with these leaves, of which the first is `first` in the mask, and writes
-  /// its definition if it is new.
+  /// Returns the name of the type with these leaves, and writes its definition if it is new. `first` is the
+  /// first leaf of the type in the mask.
   std::string add(const StructType& type, const FieldMask& mask, std::size_t first) {
     FieldMask own(type.leaves);
     for (std::size_t leaf = 0; leaf < type.leaves; ++leaf) {
@@ -100,7 +100,8 @@ class ProjectedDefinition {
 
   std::string line(const Member& m, const std::string& whole, const FieldMask& mask, std::size_t leaf,
                    bool is_whole) {
-    // A layout rule names other members, which may be missing.
+    // The layout rule is removed if the type is not whole, because the rule names members that may be
+    // missing.
     std::string text = is_whole ? whole : whole.substr(0, whole.find("  #"));
     if (m.kind != Member::Kind::structure) return text;
     const bool is_sequence = m.shape == Member::Shape::sequence;
@@ -113,14 +114,14 @@ class ProjectedDefinition {
   std::vector<Definition> definitions_;
 };
 
-/// Returns true if the parts stay parts once other fields that go with them are added.
+/// Returns true if the parts do not become whole when the fields that belong to them are added.
 bool keeps_parts(const TypeSupport& type, const Selection& selection) {
   const Selection closed = type.closed(selection);
   return std::ranges::all_of(selection.parts(),
                              [&](const Selection::Part& part) { return closed.part(part.leaf) != nullptr; });
 }
 
-/// Adds all other fields. Those that would make a part whole again get the same part.
+/// Adds all other fields of the message. A field that would make a part whole gets the same part.
 Result<Selection> with_rest_of_message(const TypeSupport& type, const Selection& parts_only) {
   std::vector<Selection::Part> parts(parts_only.parts().begin(), parts_only.parts().end());
   const std::size_t named = parts.size();

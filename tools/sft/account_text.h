@@ -21,8 +21,8 @@ bool takes_none(const DomainSnapshot::Pair& pair);
 /// Returns an empty text if the subscriber has taken any samples.
 std::string takes_none_text(const DomainSnapshot::Pair& pair);
 
-/// Says of a pair with a DDS writer that samples came, and the subscriber has taken none, with possible
-/// causes. Returns an empty text for other pairs.
+/// Returns a text that samples from a DDS writer arrived at the subscriber, which has taken none of them,
+/// with possible causes. Returns an empty text for other pairs.
 std::string unreadable_text(const DomainSnapshot::Pair& pair);
 
 // If a side has not reported its counters, these functions return "not reported yet".

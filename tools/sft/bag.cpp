@@ -38,7 +38,7 @@ std::string time_text(std::uint64_t ns) {
   return fmt::format("{:%F %T}.{:03} UTC", time, ns / ms % per_second);
 }
 
-/// The rows of a table about the channels of a recording, or the same as JSON.
+/// A row of the table of a recording's channels, or of the same list as JSON.
 struct ChannelRow {
   std::string topic, type;
   std::uint64_t messages;
@@ -139,7 +139,7 @@ ExitCode interrupted() {
   return ExitCode::failed;
 }
 
-/// Copies what can be read into a new file, and checks that.
+/// Copies all messages that can be read into a new file, and checks the new file.
 Result<void> copy_to(recording::McapWriter& writer, Recording& bag, std::uint64_t& messages) {
   bag.rewind();
   while (const std::optional<recording::Message> message = bag.next()) {

@@ -1,4 +1,5 @@
-// `sft bag estimate`: the bytes of a recording by topic and field, and what selections would have saved.
+// `sft bag estimate`: computes the bytes of a recording by topic and field, and how many of them selections
+// would have saved.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -14,6 +15,7 @@
 #include "tools/sft/bag.h"
 #include "tools/sft/session.h"
 #include "tools/sft/topic_selection.h"
+#include "tools/terminal/file_error.h"
 #include "tools/terminal/units.h"
 
 namespace sft::tool {
@@ -23,16 +25,16 @@ namespace {
 using recording::TopicEstimate;
 using EstimateJson = nlohmann::ordered_json;
 
-constexpr std::size_t fields_shown = 8;  // of each topic, as text; pages have all
+constexpr std::size_t fields_shown = 8;  // per topic, in text; pages show all fields
 constexpr double percent = 100;
 
 struct EstimatedTopic {
   std::string topic;
-  std::string selection;  ///< as the user wrote it; empty: none
+  std::string selection;  ///< the selection in the user's spelling; empty: the topic has none
   std::unique_ptr<TopicEstimate> estimate;
 };
 
-/// The topics of a recording. Several channels of a topic and type are one.
+/// The topics of a recording. Channels with the same topic and type count as one topic.
 class Estimate {
  public:
   Estimate(const std::vector<TopicSelection>& like, const CommonOptions& common)
@@ -42,7 +44,7 @@ class Estimate {
   Result<void> add_channels(const recording::Recording& bag);
   void count(recording::Recording& bag, Stop& stop);
 
-  /// The topics; once all is counted, the largest first.
+  /// The topics. After count(), they are sorted by size, the largest first.
   const std::vector<EstimatedTopic>& topics() const { return topics_; }
   std::vector<std::string> faults() const { return {faults_.begin(), faults_.end()}; }
   std::uint64_t sum(std::uint64_t (TopicEstimate::*of)() const) const {
@@ -56,7 +58,8 @@ class Estimate {
   RecordedTypes types_;
   std::vector<EstimatedTopic> topics_;
   std::map<std::uint16_t, std::size_t> of_channel_;
-  std::map<std::pair<std::string, std::uint64_t>, std::size_t> of_topic_;  ///< and of the hash of its type
+  /// Indices into topics_, by topic and hash of the type
+  std::map<std::pair<std::string, std::uint64_t>, std::size_t> of_topic_;
   std::set<std::string> faults_;
 };
 
@@ -106,7 +109,7 @@ double share(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-/// Says what the selections save of all topics, or why that cannot be said.
+/// Returns how much the selections save in all topics together, or the reason why that is not known.
 std::string sum_text(const Estimate& estimate) {
   const std::uint64_t bytes = estimate.sum(&TopicEstimate::bytes);
   const std::uint64_t selected = estimate.sum(&TopicEstimate::selected_bytes);
@@ -180,7 +183,8 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-/// A line of a page: a name, bytes, and a bar whose whole length stands for `most` bytes.
+/// Returns a line of a page: a name, a number of bytes, and a bar for it. A bar of the full length stands
+/// for `most` bytes.
 std::string bar(const std::string& name, std::uint64_t bytes, std::uint64_t selected, std::uint64_t most) {
   return fmt::format(
       "<tr><td>{}</td><td class=n>{}</td><td><div class=all style='width:{:.2f}%'>"
@@ -227,7 +231,7 @@ ExitCode run_estimate(const BagOptions& options, const CommonOptions& common, re
     }
     like.push_back(*std::move(parsed));
   }
-  (void)bag.overview();  // a file that was not finished names its channels only when it is read
+  (void)bag.overview();  // the channels of an unfinished file are known only after it was read
   Estimate estimate(like, common);
   if (const Result<void> added = estimate.add_channels(bag); !added) {
     complain(added.error().message);
@@ -253,7 +257,7 @@ ExitCode run_estimate(const BagOptions& options, const CommonOptions& common, re
     std::ofstream page(options.html);
     page << to_page(estimate, options.files.front());
     if (!page.flush()) {
-      complain(fmt::format("'{}' cannot be written.", options.html));
+      complain(cannot_be_written(options.html).message);
       return ExitCode::failed;
     }
   }

@@ -32,10 +32,11 @@ constexpr auto bridge_report_pause = 1s;
 constexpr auto incomplete_after = 5s;
 constexpr std::size_t complaints_most = 1'000;
 
-/// A rule at work.
+/// The counts of one rule while the bridge runs.
 struct RuleAccount {
   BridgeFlow::Counts counts{};
-  SteadyClock::time_point complete = SteadyClock::now();  ///< when it was last seen that both sides are there
+  /// The last time at which publishers and readers were seen
+  SteadyClock::time_point complete = SteadyClock::now();
 };
 
 class Bridge {
@@ -65,7 +66,8 @@ class Bridge {
   }
 
  private:
-  /// A rule, a topic that it is for, and the name and the hash of a type that publishers of the topic have.
+  /// A topic that a rule carries: the index of the rule, the topic, and the name and the hash of its
+  /// publishers' type.
   using Known = std::tuple<std::size_t, std::string, std::string, std::uint64_t>;
 
   void look();
@@ -77,7 +79,8 @@ class Bridge {
   void report_missing();
   void name_missing(const BridgeRule& rule);
   Json json_of(std::size_t rule) const;
-  /// The details may differ each time. A sentence that would be one too many is not said.
+  /// Prints the sentence with its details, unless the sentence was printed before with any details, or too
+  /// many sentences were printed.
   void complain_once(const std::string& sentence, const std::string& details = {}) {
     if (complaints_.size() < complaints_most && complaints_.insert(sentence).second)
       complain(printable(sentence + details));
@@ -100,7 +103,8 @@ class Bridge {
   bool failed_ = false;
 };
 
-/// A topic that a rule names as it is is not for the rules with a pattern.
+/// Returns true if a rule without a pattern names the topic itself. Rules with a pattern do not carry such
+/// topics.
 bool Bridge::is_named_by_another(const BridgeRule& rule, const std::string& topic) const {
   return rule.is_pattern() && std::ranges::any_of(plan_.rules, [&](const BridgeRule& other) {
            return other.from == rule.from && other.topic == topic;
@@ -124,7 +128,7 @@ void Bridge::add_flow(std::size_t rule, const std::string& topic, const Result<D
     return;
   }
   refuse(flow.error());
-  failed_ |= flows_.empty();  // a mistake in a selection ends the command, unless it carries others already
+  failed_ |= flows_.empty();  // a wrong selection ends the command, unless other topics are carried
 }
 
 void Bridge::look_for_topics() {
@@ -257,7 +261,7 @@ void Bridge::run() {
   while (!stop_.requested() && !failed_) {
     const auto now = SteadyClock::now();
     if (options_.for_s > 0 && now - begin_ >= seconds(options_.for_s)) break;
-    carry();  // before it is decided anew which publishers are carried
+    carry();  // samples are taken before look() changes the routes
     if (now >= next_look) {
       look();
       next_look = now + bridge_look_pause;
@@ -290,7 +294,7 @@ ExitCode refuse(const Error& error) {
   return ExitCode::failed;
 }
 
-/// Gives a rule of the command line the priority that an option names.
+/// Sets the priorities of rules of the command line from the texts of the option, TOPIC=NUMBER.
 Result<void> prioritize(std::vector<BridgeRule>& rules, const std::vector<std::string>& priorities) {
   for (const std::string& text : priorities) {
     const std::size_t equals = std::min(text.find('='), text.size());
@@ -349,7 +353,7 @@ Result<BridgeEnd> open_end(const BridgeSide& side, std::uint64_t bridge) {
   if (!node) return tl::unexpected(node.error());
   Result<BridgeRoutes> routes = BridgeRoutes::open(*node, bridge);
   if (!routes) return tl::unexpected(routes.error());
-  DomainSnapshot domain = node->domain();  // from now on it hears of all publishers
+  DomainSnapshot domain = node->domain();  // from now on the node discovers all publishers
   const std::string name = side.name.empty() ? "domain " + std::to_string(node->status().domain) : side.name;
   return BridgeEnd{name, options.name, *std::move(node), *std::move(routes), std::move(domain)};
 }

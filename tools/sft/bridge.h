@@ -14,17 +14,17 @@
 namespace sft::tool {
 
 struct BridgeOptions {
-  std::vector<std::string> rules{};  ///< as parse_bridge_rule() takes them
-  std::string file{};                ///< a file with sides and rules; the next five have no effect then
+  std::vector<std::string> rules{};  ///< rules in the form of parse_bridge_rule()
+  std::string file{};  ///< a file with sides and rules; if it is given, the next five members are ignored
   std::optional<std::uint32_t> to{};
   std::vector<std::string> to_interfaces{}, to_peers{};
-  std::string from_dds{}, to_dds{};       ///< as vanilla_choice_of() takes them; empty: $SFT_VANILLA_DDS
-  BridgeRuleOptions each{};               ///< what holds for all of `rules`
-  std::vector<std::string> priorities{};  ///< TOPIC=NUMBER
-  double for_s = 0;                       ///< 0: until the user stops it
+  std::string from_dds{}, to_dds{};       ///< texts for vanilla_choice_of(); empty: $SFT_VANILLA_DDS
+  BridgeRuleOptions each{};               ///< options that hold for all of `rules`
+  std::vector<std::string> priorities{};  ///< texts of the form TOPIC=NUMBER
+  double for_s = 0;                       ///< the duration in seconds; 0: until the user stops the command
 };
 
-/// The domain, the interfaces and the peers of `common` are those of the first side.
+/// Runs the command. `common` has the domain, the interfaces and the peers of the first side.
 ExitCode run(const BridgeOptions& options, const CommonOptions& common, Stop& stop, Output& output);
 
 }  // namespace sft::tool

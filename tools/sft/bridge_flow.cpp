@@ -15,17 +15,18 @@ using namespace std::chrono_literals;
 using Verdict = BridgeRoutes::Verdict;
 
 constexpr std::uint32_t bridge_retained_most = 128;  // PublisherOptions::history_depth
-constexpr std::uint32_t retained_if_unknown = 16;  // of writers that do not tell how many samples they retain
+constexpr std::uint32_t retained_if_unknown = 16;    // used if a writer of DDS does not announce a depth
 constexpr std::uint32_t depth_of_bridge = 128;
 constexpr std::size_t early_most = 128;
-constexpr auto linger = 2s;  // a publisher that is not seen any more may have sent more samples
-// Subscriptions stay for this time after the last publisher is gone. So samples come as soon as both sides of
-// a link see each other again.
+constexpr auto linger = 2s;  // samples of a publisher may arrive until this time after it was last seen
+// Subscriptions are kept for this time after the last publisher is gone. If an interrupted network link
+// works again within that time, samples arrive at once.
 constexpr auto outage_time = 15min;
 constexpr auto reader_time = 2s;  // readers on the other side find a new publisher within this time
-constexpr std::size_t turn_samples = 64, turn_bytes = 1 << 20;  // before other topics have their turn
+constexpr std::size_t turn_samples = 64, turn_bytes = 1 << 20;  // carried before other topics are served
 
-/// Bounds what comes late after a pause of the network: 4 MiB take 0.7 s at 50 Mbit/s.
+/// Returns the maximum number of bytes of early samples. It limits the time that samples take after a pause
+/// of the network: 4 MiB take 0.7 s at 50 Mbit/s.
 constexpr std::size_t kept_bytes(Durability durability) {
   return std::size_t{durability == transient_local ? 64U : 4U} << 20;
 }
@@ -34,7 +35,7 @@ constexpr std::size_t kept_bytes(Durability durability) {
 Result<void> check_fields(const TypeSupport& type, const FieldMask& sent, const BridgeRuleOptions& options) {
   FieldMask missing = type.full() - sent;
   for (const std::string& fields : options.defaults) {
-    // A field that other rules of the command line leave out need not be one of this type.
+    // `options` of the command line hold for all rules. So a field in them may belong to another type.
     if (const Result<FieldMask> zero = type.parse_mask(fields)) missing -= *zero;
   }
   if (missing.empty()) return {};
@@ -139,7 +140,7 @@ Result<void> BridgeFlow::begin(Source& source, Node& node, Time now) {
   source.publisher_id = source.publisher->status().id;
   source.opened = now;
   source.sequence = 0;
-  // The samples that it retains come with a new subscription, if they are not among the early ones.
+  // A new subscription receives the retained samples, unless they are among the early ones.
   if (source.is_retained() && source.early.empty()) close(source.offer());
   return {};
 }
@@ -152,7 +153,9 @@ std::vector<BridgeFlow::Offer> BridgeFlow::wanted_offers() const {
   return wanted;
 }
 
-/// Returns true if a publisher with this offer is there, and its samples need not be carried now.
+/// Returns true if the subscription for this offer is not needed, unless wanted_offers() contains the
+/// offer. This is the case if a publisher with this offer has been discovered, and either its route must
+/// not be used, or the publisher of the bridge is old enough that its readers are known.
 bool BridgeFlow::is_unwanted(const Offer& offer, Time now) const {
   return std::ranges::any_of(sources_, [&](const auto& one) {
     const Source& source = one.second;
@@ -213,7 +216,7 @@ void BridgeFlow::take(const Offer& offer, DynamicSample&& sample, Time now) {
   const auto [known, is_new] = sources_.try_emplace(sample.info().writer);
   Source& source = known->second;
   if (is_new) source.seen = now;
-  if (source.is_known && source.offer() != offer) return;  // it comes by another subscription
+  if (source.is_known && source.offer() != offer) return;  // another subscription receives these samples
   if (source.publisher && source.early.empty()) return pass_on(source, sample);
   if (source.verdict != Verdict::settles && !source.publisher) return;
   source.early_bytes += sample.cdr().size();
@@ -236,7 +239,7 @@ void BridgeFlow::pass_on_early(Source& source) {
 
 void BridgeFlow::pass_on(Source& source, const DynamicSample& sample) {
   const SampleInfo& info = sample.info();
-  if (info.sequence <= source.sequence) return;  // it comes again with a new subscription
+  if (info.sequence <= source.sequence) return;  // a new subscription has received the sample again
   source.sequence = info.sequence;
   if (!source.is_read && !source.is_retained()) return;
   counts_->lost += info.lost_before;

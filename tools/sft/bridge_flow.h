@@ -1,9 +1,11 @@
 // One topic with one type that a rule of `sft bridge` carries to the other side.
 //
-// Each publisher of the topic has a publisher of its own there, with its QoS, so that readers there get the
-// retained samples of each, and match as they would match it. Publishers of a topic may offer different QoS:
-// each kind of offer has a subscriber that requests just that, as in recorded_topic.h. A topic without
-// retained samples is subscribed to only while a subscriber on the other side reads it.
+// For each publisher of the topic, the bridge opens a publisher with the same QoS on the other side. So
+// readers there receive the retained samples of each publisher, and match in the same way as on the first
+// side. Publishers of a topic may offer different QoS. So the bridge has one subscriber for each
+// combination of reliability and durability, which requests exactly these, as in recorded_topic.h. If a
+// topic has no retained samples, the bridge subscribes to it only while a subscriber on the other side
+// reads it.
 #pragma once
 
 #include <chrono>
@@ -22,13 +24,13 @@
 
 namespace sft::tool {
 
-/// One side at work.
+/// One of the two sides of a running bridge.
 struct BridgeEnd {
-  std::string name;       ///< for messages
+  std::string name;       ///< the name of the side for messages to the user
   std::string node_name;  ///< the name of `node`
   Node node;
   BridgeRoutes routes;
-  DomainSnapshot domain{};  ///< as it was at the last look
+  DomainSnapshot domain{};  ///< the domain at the last look
 };
 
 class BridgeFlow {
@@ -36,9 +38,9 @@ class BridgeFlow {
   using Time = std::chrono::steady_clock::time_point;
   struct Counts {
     std::uint64_t carried = 0;
-    std::uint64_t bytes = 0;    ///< of the messages that were carried
-    std::uint64_t lost = 0;     ///< on the way to this bridge, or in it
-    std::uint64_t refused = 0;  ///< malformed ones, or such that could not be published
+    std::uint64_t bytes = 0;    ///< bytes of the messages that were carried
+    std::uint64_t lost = 0;     ///< messages that were lost before they reached this bridge, or in it
+    std::uint64_t refused = 0;  ///< messages that were malformed or could not be published
   };
   /// The state of the flow, for messages to the user.
   struct State {
@@ -46,16 +48,18 @@ class BridgeFlow {
     bool is_held_by_another = false;
   };
 
-  /// Returns an error if the rule's selection does not suit the type, or leaves out fields that the type has.
-  /// `epoll` gets the file descriptors of subscribers, with this object as their data: it must not move any
-  /// more once look() was called. `rule`, `from`, `to` and `counts` must outlive this object.
+  /// Returns an error if the rule's selection does not suit the type, or leaves out fields that the type
+  /// has. The file descriptors of subscribers are added to `epoll`, with the address of this object as
+  /// their data. So the object must not be moved after the first look(). `rule` and `counts` must outlive
+  /// this object.
   static Result<BridgeFlow> open(const BridgeRule& rule, std::string topic, std::string target,
                                  const DynamicType& type, int epoll, Counts& counts);
 
-  /// Looks for publishers and readers. Adds its routes to the lists of both sides.
+  /// Looks for publishers and readers, and opens and closes endpoints for them. Adds the routes of this
+  /// topic to the lists for both sides, `here` and `there`.
   Result<void> look(BridgeEnd& from, BridgeEnd& to, Time now, std::vector<BridgeRoutes::Route>& here,
                     std::vector<BridgeRoutes::Route>& there);
-  /// Carries some of the samples that have come.
+  /// Carries some of the samples that have arrived.
   void carry();
 
   const BridgeRule& rule() const { return *rule_; }
@@ -63,11 +67,11 @@ class BridgeFlow {
   const std::string& target() const { return target_; }
   std::uint64_t type_hash() const { return type_.hash(); }
   State state() const;
-  /// Returns true if the topic is gone. The caller has to call look() before.
+  /// Returns true if the topic no longer exists. Must be called after look().
   bool is_over(Time now) const;
-  /// The size of a sample, about.
+  /// Returns the approximate size of a sample in bytes.
   std::size_t sample_bytes() const { return sample_bytes_; }
-  /// Returns the reason why samples were refused, once.
+  /// Returns the reason why samples were refused, and clears it.
   std::string take_fault() { return std::exchange(fault_, {}); }
 
  private:
@@ -80,20 +84,20 @@ class BridgeFlow {
     Offer offer;
     DynamicSubscriber subscriber;
   };
-  /// A publisher of the topic.
+  /// A publisher of the topic, and the publisher of the bridge for it.
   struct Source {
     Qos qos{};
-    bool is_known = false;  ///< false: a sample has come before it was seen
-    bool is_dds = false;    ///< it is a writer that knows nothing of SFT
+    bool is_known = false;  ///< false: a sample has arrived before the publisher was discovered
+    bool is_dds = false;    ///< true: it is a DDS writer that knows nothing of SFT
     Time seen{};
     std::optional<BridgeRoutes::Source> origin{};
     BridgeRoutes::Verdict verdict = BridgeRoutes::Verdict::settles;
     std::optional<DynamicPublisher> publisher{};
     std::uint64_t publisher_id = 0;
-    Time opened{};               ///< when the publisher was
-    bool is_read = false;        ///< a subscriber on the other side reads it
-    std::uint64_t sequence = 0;  ///< of the last sample that was carried
-    /// Samples that came before the route was decided.
+    Time opened{};               ///< when `publisher` was opened
+    bool is_read = false;        ///< true: a subscriber on the other side reads `publisher`
+    std::uint64_t sequence = 0;  ///< the sequence of the last sample that was carried
+    /// Samples that arrived before the verdict about their route.
     std::deque<std::pair<Offer, DynamicSample>> early{};
     std::size_t early_bytes = 0;
 
@@ -129,7 +133,7 @@ class BridgeFlow {
   int epoll_;
   Counts* counts_;
   std::list<Subscription> subscriptions_{};
-  std::map<std::uint64_t, Source> sources_{};  ///< by the id of the publisher
+  std::map<std::uint64_t, Source> sources_{};  ///< publishers of the topic by their ids
   Time had_sources_{};                         ///< the time of the last look at which there was a publisher
   std::size_t sample_bytes_ = 0;
   std::set<std::string> faults_{};

@@ -15,21 +15,22 @@ using namespace std::chrono_literals;
 constexpr const char* routes_definition =
     "uint64 bridge\nsft_bridge/Route[] routes\n===\nMSG: sft_bridge/Route\nuint64 origin\nuint32 bridges\n"
     "string topic\nuint64 publisher\n";
-/// Another bridge that starts at the same time receives a route within this time.
+/// Within this time a bridge receives the routes of other bridges that start at the same time.
 constexpr auto settling_time = 1s;
-/// After this time all bridges that were there before are known.
+/// Within this time after its start a bridge discovers all bridges that were started earlier.
 constexpr auto discovery_time = 3s;
-/// The routes of a bridge that has been discovered are awaited for this time.
+/// The time for which a bridge waits for the routes of a bridge that it has discovered.
 constexpr auto hearing_time = 5s;
-/// After an outage of the network, a bridge does not announce its old routes again. So they are kept.
+/// The time for which the routes of bridges are kept after they are gone. After an outage of the network, a
+/// bridge does not announce its old routes again.
 constexpr auto memory_time = 1h;
-constexpr std::uint32_t bridges_most = 64;  // in a chain
-/// Routes are announced again after this time. Long lists are announced less often, so that all of this takes
-/// 8 kB a second of a link.
+constexpr std::uint32_t bridges_most = 64;  // the maximum length of a chain of bridges
+/// Routes are announced again after this time. Long lists are announced less often, so that repetitions use
+/// at most 8 kB per second of a link.
 constexpr auto repetition_time = 2s;
 constexpr std::size_t repeated_bytes_per_ms = 8;
-// Limits of what other bridges announce, since any node may announce itself as one.
-constexpr std::size_t routes_most = 4'096, routes_bytes_most = 256 << 10;  // of one bridge
+// Limits of the routes that other bridges announce, since any node may announce itself as a bridge.
+constexpr std::size_t routes_most = 4'096, routes_bytes_most = 256 << 10;  // limits per bridge
 constexpr std::size_t routes_of_all_most = 16'384, others_most = 256;
 constexpr std::size_t topic_bytes_most = 255;
 
@@ -59,7 +60,8 @@ Result<BridgeRoutes> BridgeRoutes::open(Node& node, std::uint64_t bridge) {
   return routes;
 }
 
-/// Reads only some of the messages at a time, so that a flood of them delays no samples.
+/// Reads the announcements of other bridges. Reads only some of them in a call, so that very many
+/// announcements do not delay samples.
 void BridgeRoutes::hear(Time now) {
   for (std::size_t bytes = 0; bytes < routes_bytes_most;) {
     const DynamicSample sample = subscriber_.take();
@@ -106,8 +108,8 @@ void BridgeRoutes::look(const DomainSnapshot& domain, Time now) {
   forget(now);
 }
 
-/// Forgets bridges that have been gone for long, and as many others as the limits require: those that are
-/// gone first, and then those that announce most.
+/// Removes bridges that have been gone for longer than memory_time. If the limits are still exceeded,
+/// removes further bridges: first those that are gone, then those with the most routes.
 void BridgeRoutes::forget(Time now) {
   std::erase_if(others_, [&](const auto& one) {
     return now - std::max(one.second.seen, one.second.heard) > memory_time;
@@ -125,7 +127,7 @@ void BridgeRoutes::forget(Time now) {
 
 std::optional<BridgeRoutes::Source> BridgeRoutes::source_of(const DomainSnapshot::Endpoint& publisher) const {
   for (const auto& [id, other] : others_) {
-    // A bridge has routes of its own publishers only.
+    // A bridge announces only routes of its own publishers.
     if (!other.is_there || other.node != publisher.node_id) continue;
     const auto route = std::ranges::find_if(
         other.routes, [&](const Route& one) { return one.publisher == publisher.id && one.bridges > 0; });
@@ -156,7 +158,7 @@ BridgeRoutes::Verdict BridgeRoutes::verdict(const Source& source, const std::str
         return Verdict::held_by_another;
     }
   }
-  // Bridges that come later do not interrupt a route.
+  // A route in use is not interrupted by bridges that start later.
   return is_carried || is_settled(source, topic, now) ? Verdict::holds : Verdict::settles;
 }
 

@@ -1,12 +1,15 @@
-// The routes of the bridges of one domain, by which each sample comes there once.
+// The routes of the bridges of one domain, which ensure that each sample is carried into the domain only
+// once.
 //
-// A publisher that was not made by a bridge is an origin. A bridge that takes its samples to another domain
-// announces a route: the origin, the topic there, and the number of bridges that the samples have passed by
-// then. Each bridge announces its routes on the topic "sft_bridges" of the domain that the samples are taken
-// to. The bridge also announces there the DDS writers that it hears in that domain, whose samples have passed
-// no bridge. Of all routes with the same origin and topic, the one with the fewest bridges is used, and of
-// equal ones that of the bridge that was started first. The other bridges wait. So samples are not multiplied
-// by rings of bridges, or by bridges side by side. When the route in use is gone, the next one is used.
+// A publisher that was not made by a bridge is an origin. A bridge that carries its samples to another
+// domain announces a route: the origin, the topic in that domain, and the number of bridges that the
+// samples have passed when they arrive there. Each bridge announces its routes on the topic "sft_bridges"
+// of the domain into which it carries samples. In each domain, it also announces the DDS writers that it
+// has discovered in this domain, whose samples have passed no bridge. Of all routes with the same origin
+// and topic, the route with the fewest bridges is used. If several have the same number of bridges, the
+// route of the bridge that was started first is used. The other bridges wait. So samples are not repeated
+// by rings of bridges, or by several bridges between the same domains. When the route in use is gone, the
+// next one is used.
 #pragma once
 
 #include <sft/sft.h>
@@ -22,9 +25,9 @@
 
 namespace sft::tool {
 
-/// The beginning of the names of nodes of bridges.
+/// The names of the nodes of all bridges begin with this text.
 inline constexpr const char* bridge_node_prefix = "sft_bridge_";
-/// The topic of the routes.
+/// The topic on which bridges announce their routes.
 inline constexpr const char* bridge_topic = "sft_bridges";
 
 class BridgeRoutes {
@@ -32,9 +35,10 @@ class BridgeRoutes {
   using Time = std::chrono::steady_clock::time_point;
   struct Route {
     std::uint64_t origin = 0;
-    std::uint32_t bridges = 0;    ///< that the samples have passed; 0: the origin is in this domain
-    std::string topic{};          ///< in this domain
-    std::uint64_t publisher = 0;  ///< the bridge's publisher; 0: none, the route is not in use yet
+    /// The number of bridges that the samples have passed; 0: the origin is in this domain
+    std::uint32_t bridges = 0;
+    std::string topic{};          ///< the name of the topic in this domain
+    std::uint64_t publisher = 0;  ///< the id of the bridge's publisher; 0: the route is not in use yet
     auto operator<=>(const Route&) const = default;
   };
   /// The origin of the samples of a publisher, and the number of bridges that they have passed.
@@ -44,15 +48,16 @@ class BridgeRoutes {
   };
   enum class Verdict : std::uint8_t { holds, settles, belongs_there, held_by_another };
 
-  /// `bridge` is the number of this bridge, the time at which it was started.
+  /// `bridge` is the number of this bridge, which is the time at which it was started.
   static Result<BridgeRoutes> open(Node& node, std::uint64_t bridge);
 
-  /// Takes the routes of other bridges, and forgets bridges that are gone. What they announce is bounded, and
-  /// counts only while their publishers are there.
+  /// Receives the routes of other bridges, and removes bridges that are gone. The routes are limited in
+  /// number, and those of a bridge are used only while its publisher is in `domain`.
   void look(const DomainSnapshot& domain, Time now);
-  /// Returns nothing for the publisher of a bridge that has not announced the route yet.
+  /// Returns the origin of a publisher's samples. Returns nothing if the publisher belongs to a bridge that
+  /// has not announced its route yet.
   std::optional<Source> source_of(const DomainSnapshot::Endpoint& publisher) const;
-  /// Decides whether samples may be carried here.
+  /// Returns whether this bridge may carry samples of `source` to the topic in this domain.
   Verdict verdict(const Source& source, const std::string& topic, Time now) const;
   /// Announces the routes of this bridge if they have changed, and from time to time if they have not:
   /// another sender may have forged an announcement in the name of this bridge.
@@ -61,11 +66,14 @@ class BridgeRoutes {
  private:
   struct Other {
     std::uint64_t bridge = 0;
-    std::uint64_t node = 0;  ///< the node of its publisher; 0: the publisher has not been seen yet
+    /// The id of the node of its publisher; 0: the publisher has not been discovered yet
+    std::uint64_t node = 0;
     std::vector<Route> routes{};
     Time heard{};
-    Time seen{};            ///< when its publisher was last there
-    bool is_there = false;  ///< false: its routes hold again when it comes back, as after an outage
+    Time seen{};  ///< the last time at which its publisher was in the domain
+    /// true if its publisher is in the domain; false: its routes are kept for the case that the publisher
+    /// returns, such as after an outage
+    bool is_there = false;
   };
   BridgeRoutes(std::uint64_t bridge, DynamicPublisher publisher, DynamicSubscriber subscriber)
       : bridge_(bridge),
@@ -80,13 +88,15 @@ class BridgeRoutes {
   std::uint64_t bridge_;
   DynamicPublisher publisher_;
   DynamicSubscriber subscriber_;
-  std::uint64_t own_id_;                     ///< the id of `publisher_`, which the subscriber hears, too
-  std::map<std::uint64_t, Other> others_{};  ///< by the id of their publisher
-  std::map<std::uint64_t, Time> unheard_{};  ///< and since when they are known
-  std::set<std::uint64_t> publishers_{};     ///< all of the domain
-  std::vector<Route> announced_{};           ///< the routes that this bridge has announced, sorted
-  Time announced_again_at_{};                ///< when they are announced again
-  std::map<std::pair<std::uint64_t, std::string>, Time> since_{};  ///< when each route was first announced
+  std::uint64_t own_id_;  ///< the id of `publisher_`, whose samples the subscriber also receives
+  std::map<std::uint64_t, Other> others_{};  ///< bridges by the id of their publisher
+  /// bridges without routes so far: when their publishers were discovered
+  std::map<std::uint64_t, Time> unheard_{};
+  std::set<std::uint64_t> publishers_{};  ///< the ids of all publishers of the domain
+  std::vector<Route> announced_{};        ///< the routes that this bridge has announced, sorted
+  Time announced_again_at_{};             ///< the time at which they are announced again
+  /// when each route was first announced, by origin and topic
+  std::map<std::pair<std::uint64_t, std::string>, Time> since_{};
   Time opened_ = std::chrono::steady_clock::now();
 };
 

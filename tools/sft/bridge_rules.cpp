@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <regex>
 
+#include "core/platform/text_file.h"
 #include "tools/sft/session.h"
 #include "tools/sft/topic_selection.h"
 
@@ -19,7 +20,7 @@ namespace {
 constexpr double bytes_of_mbit = 125'000;
 constexpr std::int64_t priority_most = 100;
 
-/// The first mistake in the file. Further ones are not named.
+/// The first mistake in the file. Further mistakes are not reported.
 class Mistake {
  public:
   explicit Mistake(std::string path) : path_(std::move(path)) {}
@@ -32,7 +33,7 @@ class Mistake {
   std::string path_, text_;
 };
 
-/// The keys of a table. Those that are asked for are known; the destructor refuses all others.
+/// Reads the keys of a table. The destructor reports the first key that was not read.
 class TableReader {
  public:
   TableReader(const toml::table& table, Mistake& mistake) : table_(table), mistake_(mistake) {}
@@ -124,7 +125,7 @@ void read_rule(const toml::table& table, Mistake& mistake, std::vector<BridgeRul
     mistake.note(table, ways.error().message);
 }
 
-/// Returns the tables of a list [[key]]; none if the key is missing or something else.
+/// Returns the tables of a list [[key]]; an empty list if the key is missing or is not a list of tables.
 std::vector<const toml::table*> tables_of(const toml::table& file, std::string_view key, Mistake& mistake) {
   std::vector<const toml::table*> tables;
   const toml::node* const node = file.get(key);
@@ -211,9 +212,11 @@ Result<void> check_rules(const std::vector<BridgeRule>& rules) {
 }
 
 Result<void> read_bridge_file(const std::string& path, BridgePlan& plan) {
+  const Result<std::string> text = core::read_text_file(path);
+  if (!text) return tl::unexpected(text.error());
   Mistake mistake(path);
   try {
-    const toml::table file = toml::parse_file(path);
+    const toml::table file = toml::parse(*text, path);
     const auto sides = tables_of(file, "side", mistake);
     if (sides.size() != plan.sides.size())
       mistake.note(file, "write [[side]] twice: a bridge joins two sides");

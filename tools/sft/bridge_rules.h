@@ -4,7 +4,7 @@
 //   cmd_vel <- robot/cmd_vel                    from the second side to the first
 //   chatter <-> chatter                         both ways
 //   tf                                          to the second side, under the same name
-//   camera/* -> robot/camera/*                  all topics with such names
+//   camera/* -> robot/camera/*                  all topics whose names match
 #pragma once
 
 #include <sft/options.h>
@@ -18,30 +18,32 @@
 
 namespace sft::tool {
 
-/// The options of a rule besides the topic and the direction.
+/// The options of a rule, without its topic and its direction.
 struct BridgeRuleOptions {
-  std::vector<std::string> defaults{};  ///< fields that may be zero on the other side; "*": all
-  std::int8_t priority = 0;             ///< PublisherOptions::priority
-  bool reliable = false;                ///< offer reliability, also if the publisher does not
+  /// Fields that are zero or empty on the other side if they are not selected; "*": all
+  std::vector<std::string> defaults{};
+  std::int8_t priority = 0;  ///< the value of PublisherOptions::priority
+  bool reliable = false;     ///< true: offers reliability even if the original publisher does not
 };
 
-/// One way of a rule.
+/// One direction of a rule.
 struct BridgeRule {
-  std::string text{};       ///< as the user has written it
-  std::size_t from = 0;     ///< the side that it takes samples from: 0 or 1
-  std::string topic{};      ///< the name there, without a slash in front; may have one "*"
-  std::string selection{};  ///< as selection_of() takes it; empty: all
+  std::string text{};       ///< the rule as the user has written it
+  std::size_t from = 0;     ///< the index of the side from which samples are taken: 0 or 1
+  std::string topic{};      ///< the name of the topic on that side, without a leading slash; may have one "*"
+  std::string selection{};  ///< the selection in the form of selection_of(); empty: all fields
   std::string target{};     ///< the name on the other side; has a "*" if `topic` has one
   BridgeRuleOptions options{};
 
   std::size_t to() const { return 1 - from; }
   bool is_pattern() const { return topic.find('*') != topic.npos; }
-  /// Returns the name on the other side of a topic that the rule is for.
+  /// Returns the name on the other side of the topic `name`; nothing if the rule does not apply to this
+  /// topic.
   std::optional<std::string> target_of(std::string_view name) const;
 };
 
 struct BridgeSide {
-  std::string name{};  ///< for messages; empty: "domain N"
+  std::string name{};  ///< the name of the side for messages; empty: "domain N"
   NodeOptions node{};
 };
 
@@ -50,13 +52,13 @@ struct BridgePlan {
   std::vector<BridgeRule> rules{};
 };
 
-/// Returns the ways of a rule, one or two. The error shows the text and says what is wrong with it.
+/// Returns the directions of a rule, one or two. The error shows the text and says what is wrong with it.
 Result<std::vector<BridgeRule>> parse_bridge_rule(const std::string& text, const BridgeRuleOptions& options);
 
 /// Reads a file of `sft bridge` (docs/bridge.md) into `plan`. The error names file, line, key and value.
 Result<void> read_bridge_file(const std::string& path, BridgePlan& plan);
 
-/// Returns an error if two rules do the same.
+/// Returns an error if two rules carry the same topic to the same target.
 Result<void> check_rules(const std::vector<BridgeRule>& rules);
 
 /// Reads "auto", "always" or "never".

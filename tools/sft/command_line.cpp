@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <iostream>
 #include <iterator>
 #include <map>
@@ -11,6 +12,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include "tools/sft/help_format.h"
 
@@ -41,7 +43,7 @@ struct Parsed {
   std::string host;
   struct {
     bool csv = false, yaml = false;
-  } forms{};  ///< of samples, for echo
+  } forms{};  ///< the forms of samples, for echo
 };
 
 NodeOptions::VanillaDds dds_choice(const std::string& name) {
@@ -552,7 +554,7 @@ std::variant<CommandLine, ExitCode> parse_command_line(int argc, char** argv) {
     if (error.get_exit_code() != 0) return report_mistake(app, error.what());
     app.exit(error);  // prints the help that the user has requested
     if (std::cout.flush()) return ExitCode::done;
-    complain("the output cannot be written");
+    complain("the output cannot be written: " + std::generic_category().message(errno));
     return ExitCode::failed;
   }
   parsed.line.name = app.get_subcommands().front()->get_name();

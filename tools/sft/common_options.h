@@ -17,11 +17,11 @@ struct CommonOptions {
   std::vector<std::string> interfaces{};
   std::vector<std::string> peers{};
   std::vector<std::string> includes{};  ///< directories of packages with definitions of messages
-  /// The choice whether the node looks for nodes of DDS that know nothing of SFT. By default it always does,
-  /// since `automatic` would find those of this host too late for a command that ends soon. The node of
-  /// `perf` is as those of programs.
+  /// Whether the node looks for nodes of DDS that know nothing of SFT. By default it always does: with
+  /// `automatic`, it would discover such nodes on this host too late for a command that ends soon. `sft
+  /// perf` has the default of programs instead.
   std::optional<NodeOptions::VanillaDds> dds{};
-  bool sim_time = false;  ///< whether the node follows /clock
+  bool sim_time = false;  ///< true: the node follows /clock
   /// The time in seconds for which a command collects announcements before it prints a complete list.
   double wait_s = 1;
   /// The maximum time in seconds for which a command waits for a topic or a sample that the user has named.

@@ -5,10 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <string_view>
 
+#include "core/platform/text_file.h"
 #include "tools/terminal/units.h"
 
 namespace sft::tool {
@@ -24,11 +23,10 @@ std::string variable(const char* name) {
 std::string config_text(std::string uri) {
   constexpr std::string_view scheme = "file://";
   if (uri.empty() || uri.find('<') != uri.npos) return uri;
-  std::ifstream file(uri.starts_with(scheme) ? uri.substr(scheme.size()) : uri);
-  return {std::istreambuf_iterator(file), {}};
+  return core::read_text_file(uri.starts_with(scheme) ? uri.substr(scheme.size()) : uri).value_or("");
 }
 
-/// Fast DDS has UDP with these transports only.
+/// Returns true if Fast DDS uses UDP with this value of FASTDDS_BUILTIN_TRANSPORTS.
 bool speaks_udp(std::string_view transports) {
   constexpr std::array<std::string_view, 5> with_udp{"", "DEFAULT", "DEFAULTv6", "UDPv4", "UDPv6"};
   return std::ranges::find(with_udp, transports) != with_udp.end();

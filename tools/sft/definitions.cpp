@@ -3,10 +3,11 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <regex>
 #include <system_error>
 #include <vector>
+
+#include "core/platform/text_file.h"
 
 namespace sft::tool {
 
@@ -87,9 +88,8 @@ std::string constants_of(const StructType& type, const CommonOptions& common) {
 std::optional<std::string> find_service(std::string_view service, const CommonOptions& common) {
   const std::optional<fs::path> file =
       service.ends_with(".srv") ? fs::path(service) : find_file(service, "srv", common);
-  std::ifstream content(file.value_or(fs::path()));
-  if (!file || !content) return {};
-  return std::string(std::istreambuf_iterator(content), {});
+  const auto text = file ? core::read_text_file(*file) : fail(Errc::unavailable, "");
+  return text ? std::optional(*text) : std::nullopt;
 }
 
 }  // namespace sft::tool

@@ -16,9 +16,9 @@ namespace sft::tool {
 /// Errc::unavailable if no directory has the type.
 Result<DynamicType> find_definition(const std::string& type, const CommonOptions& common);
 
-/// Returns the definition of a type that an endpoint announces without its fields. Returns an error if there
-/// is no definition, or if the definition is that of another type with the same name. Endpoints of DDS
-/// announce either the hash of ROS 2 or none; without one the name is all that is compared.
+/// Returns the definition of a type that an endpoint announces without its fields. Returns an error if
+/// there is no definition, or if the definition is that of another type with the same name. Endpoints of
+/// DDS announce the hash of ROS 2 or no hash. Without a hash, only the name is compared.
 Result<DynamicType> definition_of(const DomainSnapshot::Endpoint& endpoint, const CommonOptions& common);
 
 /// Returns the lines of constants in the file of a message, if the files define this type. (Types are

@@ -34,10 +34,11 @@ double since(Stamp stamp, const DynamicSample& sample) {
 /// Samples without a usable stamp since the last report. Counted on threads of the node.
 struct Unusable {
   std::atomic<std::uint64_t> not_set{0};
-  std::atomic<std::uint64_t> absent{0};  ///< the message has no such element
+  std::atomic<std::uint64_t> absent{0};  ///< samples without such an element
 };
 
-/// Returns the path as selections name it: of all elements, "transforms[].header.stamp".
+/// Returns the path in the form that selections use for a field of all elements:
+/// "transforms[].header.stamp".
 std::string of_all_elements(std::string_view field) {
   std::string path;
   bool in_brackets = false;

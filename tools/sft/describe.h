@@ -17,7 +17,8 @@ nlohmann::ordered_json pair_json(const DomainSnapshot::Pair& pair, const DomainS
 std::string qos_text(const Qos& qos);
 /// Returns a text such as "height, width; at most 20 Hz".
 std::string request_text(const DomainSnapshot::Endpoint& subscriber);
-/// Returns the hash of an endpoint's type. That of an endpoint of DDS is the one of ROS 2; "-": it has none.
+/// Returns the hash of an endpoint's type. For an endpoint of DDS, this is the hash that ROS 2 announces,
+/// or "-" if there is none.
 std::string type_hash_text(const DomainSnapshot::Endpoint& endpoint);
 /// Returns the transports that an endpoint may use, such as "shm, udp".
 std::string ways_text(const DomainSnapshot::Endpoint& endpoint);

@@ -1,4 +1,4 @@
-// `sft doctor`: checks if this host is set up well for SFT, and says how to correct faults.
+// `sft doctor`: checks if this host is set up well for SFT, and prints how to correct faults.
 #pragma once
 
 #include "tools/sft/session.h"
@@ -9,8 +9,8 @@ struct DoctorOptions {
   bool quiet = false;  ///< true: prints warnings and errors only
 };
 
-/// Runs the checks. The command opens its own node, because it has to report it as a finding if no node can
-/// be opened.
+/// Runs the checks. The command opens its own node, because a node that cannot be opened is one of its
+/// findings.
 ExitCode run(const DoctorOptions& options, const CommonOptions& common, Stop& stop, Output& output);
 
 }  // namespace sft::tool

@@ -46,7 +46,7 @@ void print_endpoint(const DomainSnapshot::Endpoint& e, bool publishes, Output& o
 
 void print_text(const OneTopic& topic, Output& output) {
   output.line(output.colored(topic.name, Color::bold));
-  // The hashes of SFT and of ROS 2 cannot be compared: of endpoints of DDS, the name of the type tells.
+  // The hashes of SFT and of ROS 2 cannot be compared. So types of DDS endpoints are compared by name.
   std::map<std::string, std::set<std::string>> types;
   bool differ = false;
   for (const auto* endpoints : {&topic.publishers, &topic.subscribers}) {

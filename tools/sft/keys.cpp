@@ -9,7 +9,7 @@
 namespace sft::tool {
 
 Keys::Keys() {
-  // A program in the background would be stopped if it changed its terminal.
+  // The system would stop a program in the background that changes its terminal.
   const pid_t foreground = tcgetpgrp(STDIN_FILENO);
   if (foreground >= 0 && foreground != getpgrp()) return;
   if (isatty(STDIN_FILENO) == 0 || tcgetattr(STDIN_FILENO, &before_) != 0) return;

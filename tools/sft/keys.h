@@ -1,11 +1,12 @@
-// Keys that a user presses while a command runs. Without a terminal there are none.
+// Reads the keys that a user presses while a command runs. Without a terminal, no key is ever pressed.
 #pragma once
 
 #include <termios.h>
 
 namespace sft::tool {
 
-/// Reads the terminal key by key, without an echo, and leaves it as it was.
+/// Makes the terminal deliver each key at once and without an echo. The destructor restores the former
+/// settings.
 class Keys {
  public:
   Keys();

@@ -12,7 +12,7 @@ namespace sft::tool {
 inline constexpr std::size_t live_indent = 4;
 
 struct LiveOptions {
-  double for_s = 0;     ///< the duration in seconds; 0: until the user stops the command
+  double for_s = 0;     ///< the duration in seconds; 0: the command runs until the user stops it
   double window_s = 5;  ///< each line covers this time, in seconds
 };
 

@@ -28,7 +28,8 @@ struct NodeEntry {
 struct TopicEntry {
   std::set<std::string> types;
   std::size_t publishers = 0, subscribers = 0;
-  std::size_t dds_publishers = 0, dds_subscribers = 0;  ///< the part of these that knows nothing of SFT
+  /// The number of these endpoints that belong to programs without SFT
+  std::size_t dds_publishers = 0, dds_subscribers = 0;
 };
 
 /// The nodes, topics and types of a domain, each once and in order.

@@ -40,7 +40,7 @@ int main(int argc, char** argv) {
   const auto parsed = parse_command_line(argc, argv);
   if (const auto* code = std::get_if<ExitCode>(&parsed)) return static_cast<int>(*code);
   const auto& line = std::get<CommandLine>(parsed);
-  // The rules are for programs: a tool shows the names of topics as they are announced.
+  // SFT_REMAP is meant for programs. The tool shows the names of topics as they are announced.
   unsetenv("SFT_REMAP");
   signal(SIGPIPE, SIG_IGN);  // Output detects a closed pipe when it writes
   Stop stop;

@@ -17,7 +17,7 @@ struct NodeFindings {
   /// The names of the interfaces; empty if no node can be opened, or if the library does not report the
   /// names.
   std::vector<std::string> interfaces_in_use{};
-  DomainSnapshot domain{};  ///< what the node has found
+  DomainSnapshot domain{};  ///< the processes and endpoints that the node has found
 };
 NodeFindings check_node(const CommonOptions& common, Stop& stop, Output& output);
 

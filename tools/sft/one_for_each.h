@@ -1,4 +1,4 @@
-// One thing for each of some keys that come and go.
+// Maintains one object for each key of a changing set.
 #pragma once
 
 #include <map>
@@ -7,8 +7,9 @@
 
 namespace sft::tool {
 
-/// Makes a thing for each key that has none yet, and drops those of keys that are not wanted any more.
-/// make(key) returns a Result; if there is an error, it is called again next time.
+/// Makes an object for each wanted key that has none yet, and removes the objects of keys that are not
+/// wanted any more. make(key) returns a Result. If it is an error, make(key) is called again in the next
+/// call.
 template <class Key, class Thing, class Make>
 void keep_one_for_each(const std::set<Key>& wanted, std::map<Key, Thing>& things, Make make) {
   std::erase_if(things, [&](const auto& item) { return !wanted.contains(item.first); });

@@ -9,6 +9,7 @@
 
 #include "tools/perf/pong.h"
 #include "tools/sft/message_type.h"
+#include "tools/terminal/file_error.h"
 
 namespace sft::tool {
 
@@ -56,7 +57,8 @@ Result<Message> message_of(const PerfOptions& options, Session& session) {
       });
 }
 
-/// Ends with the code of the error. With --json the standard output has JSON in every end.
+/// Prints the error and returns its exit code. With --json, the error is also written to the standard
+/// output, which then always contains JSON.
 ExitCode give_up(const Error& error, const CommonOptions& common, Session& session) {
   if (common.json)
     session.output().document({{"error", error.message}, {"lanes", nlohmann::ordered_json::array()}});
@@ -92,7 +94,7 @@ Result<void> draw(const perf::Outcome& run, const std::string& file) {
   std::ofstream out(file);
   out << perf::svg_of(run);
   if (out.flush()) return {};
-  return fail(Errc::system, "'" + file + "' cannot be written");
+  return tl::unexpected(cannot_be_written(file));
 }
 
 }  // namespace

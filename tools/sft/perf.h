@@ -11,15 +11,15 @@
 namespace sft::tool {
 
 struct PerfOptions {
-  bool answers = false;  ///< true: pong or sub, which serve the side that sends
+  bool answers = false;  ///< true: the command is pong or sub, which serves the sending side
   perf::Plan plan{};
-  // The message, for the side that sends.
-  std::string type{};                 ///< empty: bytes
-  std::string value{};                ///< YAML or JSON
-  std::optional<std::size_t> size{};  ///< bytes of its data
-  std::string like{};                 ///< a topic of which one sample is the message
+  // The following members describe the message. They are used by the sending side.
+  std::string type{};                 ///< the type of the message; empty: plain bytes
+  std::string value{};                ///< the message as YAML or JSON
+  std::optional<std::size_t> size{};  ///< the number of bytes of its data
+  std::string like{};                 ///< a topic; one of its samples is taken as the message
   std::string fail_if{};
-  std::string svg{};  ///< a file for the picture
+  std::string svg{};  ///< the file for a picture of the results
 };
 
 ExitCode run(const PerfOptions& options, const CommonOptions& common, Session& session);

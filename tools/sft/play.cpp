@@ -28,22 +28,24 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-constexpr auto late_most = 20ms;    // what is later than this is not made up for: all topics slow down
-constexpr auto behind_max = 1s;     // the user is warned at once beyond this
-constexpr auto blocking_most = 1s;  // for which a sample waits for reliable subscribers that do not keep up
+constexpr auto late_most = 20ms;    // a longer delay is not caught up: all topics are delayed
+constexpr auto behind_max = 1s;     // the user is warned once the sum of delays is larger
+constexpr auto blocking_most = 1s;  // the time for which publishing may wait for slow reliable subscribers
 constexpr auto last_pause = 200ms;  // time for the last sample to be received before the node closes
 constexpr double ns_of_s = 1e9;
-constexpr double most_ns = 1e17;         // three years: later messages are not waited for
+constexpr double most_ns = 1e17;         // three years: the limit of a wait for a message
 constexpr double enough_of_rate = 0.98;  // a lower share is reported
 
-/// A publisher of the recording, and its publisher now.
+/// A publisher in the recording, and the publisher that now publishes its samples.
 struct PlayedChannel {
   std::string topic;
   DynamicPublisher publisher;
-  std::uint32_t retained;  ///< the number of samples that it keeps for late readers; 0: none
+  /// The number of samples that the publisher retains for late readers; 0: it retains none
+  std::uint32_t retained;
   std::uint64_t samples = 0;
-  /// The last retained samples: each file of a recording in several files begins with those from before.
-  /// By the time of publishing, the number, and a hash of the contents: SQLite files have no numbers.
+  /// Identifies the last retained samples that were published. In a recording of several files, each file
+  /// repeats the retained samples of earlier files. A sample is identified by its time of publishing, its
+  /// number, and a hash of its contents, since SQLite files have no numbers.
   std::deque<std::tuple<std::uint64_t, std::uint32_t, std::size_t>> published{};
 };
 
@@ -53,7 +55,7 @@ struct ReportedFile {
   std::size_t faults;  ///< the number of faults that were reported
 };
 
-/// Replays files on their topics.
+/// Publishes the messages of files on their topics.
 class Player {
  public:
   Player(const PlayOptions& options, const CommonOptions& common, Session& session,
@@ -65,12 +67,12 @@ class Player {
         reported_(std::move(reported)),
         only_(files_.size()) {}
 
-  /// Opens the publishers. Returns an error that says why nothing can be played.
+  /// Opens the publishers. Returns an error with the reason if no topic can be played.
   Result<void> open();
   bool wait_for_subscribers();
   void play();
   void report();
-  /// Names what could not be read, besides what was known when the files were opened.
+  /// Reports what could not be read, except for the faults that were known when the files were opened.
   void report_faults();
   std::uint64_t published() const { return published_; }
   bool has_failed() const { return failed_; }
@@ -93,20 +95,20 @@ class Player {
   Session& session_;
   PlayedFiles files_;
   const std::vector<ReportedFile> reported_;
-  std::vector<std::set<std::uint16_t>> only_;        ///< the channels of each file
-  std::map<std::string, PlayedChannel> channels_{};  ///< by what makes them one
-  std::map<std::pair<std::size_t, std::uint16_t>, PlayedChannel*> of_channel_{};  ///< by file and channel
+  std::vector<std::set<std::uint16_t>> only_;        ///< the channels that are played, one set for each file
+  std::map<std::string, PlayedChannel> channels_{};  ///< the channels by topic, type, QoS and node
+  std::map<std::pair<std::size_t, std::uint16_t>, PlayedChannel*> of_channel_{};  ///< channels by file and id
   std::optional<DynamicPublisher> clock_{};
   std::set<std::string> missing_{};
   Keys keys_{};
 
   std::uint64_t first_ns_ = 0;  ///< the time of the first message
-  std::uint64_t begin_ns_ = 0;  ///< the time of the recording at begin_
+  std::uint64_t begin_ns_ = 0;  ///< the time in the recording that corresponds to begin_
   Clock::time_point begin_{};
   Clock::time_point next_clock_{};
-  Clock::duration behind_{};     ///< by how much it was late, and did not make up for
-  Clock::duration played_{};     ///< how long it has played, without pauses
-  std::uint64_t played_ns_ = 0;  ///< of the recording
+  Clock::duration behind_{};     ///< the sum of the delays that were not caught up
+  Clock::duration played_{};     ///< the time for which messages were played, without pauses
+  std::uint64_t played_ns_ = 0;  ///< the time that was played, in the recording
   std::uint64_t published_ = 0;
   bool failed_ = false;
 };
@@ -174,10 +176,10 @@ Result<void> Player::open_clock() {
 
 void Player::find_first() {
   for (std::size_t i = 0; i < files_.size(); ++i) {
-    // A file without a summary is read as a whole.
+    // A file without a summary is read as a whole, which the user can stop.
     files_.file(i).set_is_stopped([this] { return session_.stop().wait_for(0ns); });
     const recording::Overview& overview = files_.file(i).overview();
-    files_.file(i).set_is_stopped(nullptr);  // from now on another thread reads
+    files_.file(i).set_is_stopped(nullptr);  // the thread of start() uses the file from here on
     if (overview.messages == 0) continue;
     first_ns_ = first_ns_ == 0 ? overview.first_ns : std::min(first_ns_, overview.first_ns);
   }
@@ -250,7 +252,7 @@ void Player::publish(const PlayedFiles::Message& message) {
   ++published_;
 }
 
-/// Publishes what was retained at the time from which on is played.
+/// Publishes the samples that publishers retained at the time at which playing starts.
 void Player::publish_retained(std::uint64_t from_ns) {
   std::vector<std::set<std::uint16_t>> retained(files_.size());
   for (const auto& [at, channel] : of_channel_) {
@@ -297,7 +299,8 @@ void Player::pause() {
   next_clock_ += pause;
 }
 
-/// Waits until something is due. The clock is published meanwhile. Returns false if the user stops it.
+/// Waits until the time `due`, and publishes the clock meanwhile. Returns false if the user stops the
+/// command.
 bool Player::wait_until(Clock::time_point due, std::uint64_t time_ns) {
   Stop& stop = session_.stop();
   for (;;) {
@@ -316,7 +319,7 @@ bool Player::wait_until(Clock::time_point due, std::uint64_t time_ns) {
   }
 }
 
-/// Returns false if the user stops it.
+/// Plays the recording once. Returns false if the user stops the command.
 bool Player::play_once(std::uint64_t from_ns) {
   publish_retained(from_ns);
   files_.start(from_ns, only_);
@@ -354,7 +357,8 @@ void Player::play() {
   for (bool goes_on = true; goes_on;) {
     const std::uint64_t before_ns = played_ns_;
     goes_on = play_once(from_ns) && options_.loop && published_ > 0;
-    // A recording of one moment would be published as often as a processor can.
+    // Without a pause, a recording whose messages all have one time would be published as fast as the
+    // processor allows.
     if (goes_on && played_ns_ == before_ns) goes_on = !session_.stop().wait_for(last_pause);
   }
   session_.stop().wait_for(last_pause);
@@ -416,7 +420,7 @@ ExitCode run(const PlayOptions& options, const CommonOptions& common, Session& s
   }
   Player player(options, common, session, std::move(files), std::move(reported));
   if (const Result<void> opened = player.open(); !opened) return give_up(opened.error());
-  (void)session.look_around();  // subscribers that are there are served by then
+  (void)session.look_around();  // existing subscribers are connected by the end of this call
   if (!player.wait_for_subscribers()) return ExitCode::nothing;
   player.play();
   player.report();

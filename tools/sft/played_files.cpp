@@ -7,7 +7,8 @@ namespace sft::tool {
 
 namespace {
 
-constexpr std::uint64_t ahead_most = std::uint64_t{64} << 20;  // bytes that are read ahead
+// The maximum number of bytes that are read ahead
+constexpr std::uint64_t ahead_most = std::uint64_t{64} << 20;
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// The messages of several recordings in the order of their log times, read ahead by a thread.
+// Reads the messages of several recordings in the order of their log times. A thread reads ahead.
 #pragma once
 
 #include <condition_variable>
@@ -20,27 +20,28 @@ class PlayedFiles {
  public:
   struct Message {
     std::size_t file = 0;
-    recording::Message message{};  ///< its data are those of `data`
+    recording::Message message{};  ///< a message whose data are in `data`
     std::vector<std::byte> data{};
   };
 
-  /// REQUIRES: at least one file.
+  /// REQUIRES: there is at least one file.
   explicit PlayedFiles(std::vector<std::unique_ptr<recording::Recording>> files);
   ~PlayedFiles();
   PlayedFiles(const PlayedFiles&) = delete;
   PlayedFiles& operator=(const PlayedFiles&) = delete;
 
-  /// The files, which only the caller uses until start() and after stop().
+  /// Returns a file. The caller may use it only before start() and after stop().
   recording::Recording& file(std::size_t i) { return *files_[i]; }
   std::size_t size() const { return files_.size(); }
 
-  /// Reads from this time on, ahead of next(). `only` has the channels of each file.
+  /// Starts to read messages from this time on for next(). `only` has the channels to read of each file.
   void start(std::uint64_t from_ns, const std::vector<std::set<std::uint16_t>>& only);
   void stop();
-  /// Returns the next message; nothing at the end.
+  /// Returns the next message; nothing after the last message.
   std::optional<Message> next();
 
-  /// Calls `each` for the messages before this time, in their order. Not while it is started.
+  /// Calls `each` for the messages before this time, in their order. Must not be called between start() and
+  /// stop().
   template <class Each>
   void for_each_before(std::uint64_t end_ns, const std::vector<std::set<std::uint16_t>>& only,
                        const Each& each) {
@@ -61,7 +62,7 @@ class PlayedFiles {
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  // The next ones are guarded by the mutex.
+  // The following members are guarded by the mutex.
   std::deque<Message> ahead_{};
   std::uint64_t ahead_bytes_ = 0;
   bool at_end_ = false;

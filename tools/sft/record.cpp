@@ -33,12 +33,12 @@ using Clock = std::chrono::steady_clock;
 using RecordJson = nlohmann::ordered_json;
 using namespace std::chrono_literals;
 
-constexpr auto look_period = 50ms;  // how soon a new publisher is noticed
+constexpr auto look_period = 50ms;  // the pause between two searches for new publishers
 constexpr auto report_period = 1s;
-constexpr auto missing_after = 5s;  // what has not come until then is named
+constexpr auto missing_after = 5s;  // a topic without a publisher after this time is reported
 constexpr double bytes_per_mb = 1e6;
 
-/// The topics that the user names, as publishers come.
+/// Records the topics that the user names. Subscribes to a topic when a publisher of it appears.
 class Recorder {
  public:
   Recorder(const RecordOptions& options, const CommonOptions& common, Session& session,
@@ -54,7 +54,7 @@ class Recorder {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// Records until the user stops it, or until nothing more can be written.
+  /// Records until the user stops the command, or until nothing more can be written.
   void run();
   const std::list<RecordedTopic>& topics() const { return topics_; }
   bool has_failed() const { return failed_; }
@@ -83,10 +83,10 @@ class Recorder {
   const int epoll_;
   std::list<RecordedTopic> topics_{};
   std::list<DynamicSubscriber> open_triggers_{};
-  std::set<std::string> working_triggers_{};  ///< their texts
+  std::set<std::string> working_triggers_{};  ///< the texts of the conditions that apply to some topic
   std::set<std::string> complaints_{};
   using TopicAndType = std::pair<std::string, std::string>;
-  std::map<TopicAndType, DynamicType> types_{};  ///< those that were found
+  std::map<TopicAndType, DynamicType> types_{};  ///< the types that were found
   std::set<TopicAndType> refused_{};
   std::uint64_t reported_bytes_ = 0;
   const Clock::time_point begin_ = Clock::now();
@@ -138,7 +138,7 @@ void Recorder::add(const DomainSnapshot::Endpoint& publisher, const std::string&
   if (topic == topics_.end()) {
     Result<RecordedTopic> opened = RecordedTopic::open(name, *type, text);
     if (!opened) {
-      // A mistake in a selection ends the command, unless it is already recording other topics.
+      // A wrong selection ends the command, unless it is already recording other topics.
       failed_ |= opened.error().code != Errc::unavailable && topics_.empty();
       return refuse("not recorded: " + opened.error().message);
     }
@@ -172,10 +172,10 @@ void Recorder::take_samples() {
   std::optional<std::uint64_t> now_ns;
   if (common_.sim_time) {
     now_ns = static_cast<std::uint64_t>(session_.node().now().time_since_epoch().count());
-    if (*now_ns == 0) {  // nothing is stamped before the clock has said something
+    if (*now_ns == 0) {  // without a time of the clock, samples cannot be stamped
       for (RecordedTopic& topic : topics_) topic.discard();
       (void)session_.stop().wait_for(
-          look_period);  // retained samples stay, and would end each wait for samples
+          look_period);  // retained samples stay queued, so a wait for samples would end at once
       return;
     }
   }
@@ -275,7 +275,7 @@ void Recorder::run() {
     stop.wait_for(look_period, epoll_);
     take_samples();
   }
-  take_samples();  // what has come by now
+  take_samples();  // takes the samples that have arrived by now
   look_at_losses();
   report();
   if (session_.output().on_terminal() && !common_.json) session_.output().write("\n");
@@ -286,7 +286,7 @@ std::string default_output() {
                      std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()));
 }
 
-/// Waits until everything is written. A second Ctrl-C ends the program.
+/// Waits until all samples are written. If the user presses Ctrl-C again, ends the process.
 void wait_for_end(SampleWriter& writer, Stop& stop) {
   stop.forget();
   writer.finish();
@@ -340,7 +340,7 @@ Result<std::vector<TopicSelection>> parse_all(const std::vector<std::string>& te
   return parsed;
 }
 
-/// Conditions are written with their topic in front, or without.
+/// Parses conditions with a topic, TOPIC@CONDITION, or without.
 Result<std::vector<TopicSelection>> parse_triggers(const std::vector<std::string>& texts) {
   std::vector<TopicSelection> parsed;
   for (const std::string& text : texts) {
@@ -390,12 +390,12 @@ ExitCode run(const RecordOptions& given, const CommonOptions& common, Session& s
   std::error_code ignored;
   if (std::filesystem::exists(first_file, ignored))
     return refuse(printable(fmt::format("'{}' is there already; name another file.", first_file)));
-  // With a window the first file is made only when the first trigger comes.
+  // If only a window is recorded, the first file is created at the first trigger.
   if (access(folder_of(first_file).c_str(), W_OK) != 0) {
     return refuse(printable(
         fmt::format("'{}' cannot be made: {}.", first_file, std::generic_category().message(errno))));
   }
-  // Freed samples are used again for the next ones, instead of going back to the system each time.
+  // Keeps freed memory in the process, because the next samples need it again.
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
 
@@ -403,7 +403,7 @@ ExitCode run(const RecordOptions& given, const CommonOptions& common, Session& s
   Recorder recorder(options, common, session, *wanted, *triggers, writer);
   recorder.run();
   wait_for_end(writer, session.stop());
-  recorder.look_at_losses();  // those of a disk are known now
+  recorder.look_at_losses();  // the losses on the disk are known only now
   const SampleWriter::Status status = writer.status();
   print_summary(recorder, status, common.json, session.output());
   if (!status.fault.empty()) return refuse(printable(status.fault + "."));

@@ -9,18 +9,18 @@
 namespace sft::tool {
 
 struct RecordOptions {
-  std::vector<std::string> topics{};  ///< as parse_topic_selection() takes them
+  std::vector<std::string> topics{};  ///< texts in the form of parse_topic_selection()
   bool all = false;
-  std::string output{};  ///< empty: a name with the present time
+  std::string output{};  ///< the file; empty: its name is the present time
   std::string compression = "none";
-  double split_mb = 0;  ///< 0: no split
-  double split_s = 0;   ///< 0: no split
-  double last_s = 0;    ///< 0: everything is written
+  double split_mb = 0;  ///< the size in MB at which a new file begins; 0: files are not split by size
+  double split_s = 0;   ///< the duration after which a new file begins; 0: files are not split by time
+  double last_s = 0;    ///< the length of the window in seconds; 0: everything is written
   std::vector<std::string>
-      on{};  ///< conditions, TOPIC@CONDITION or CONDITION for all topics with such fields
+      on{};  ///< triggers: TOPIC@CONDITION, or CONDITION for all topics with the fields of the condition
   double memory_mb = 1024;
-  double for_s = 0;       ///< 0: until the user stops it
-  std::string version{};  ///< of this program, for the file
+  double for_s = 0;       ///< the duration in seconds; 0: until the user stops the command
+  std::string version{};  ///< the version of this program, which is written to the file
 };
 
 ExitCode run(const RecordOptions& options, const CommonOptions& common, Session& session);

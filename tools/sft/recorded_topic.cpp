@@ -12,16 +12,17 @@ namespace sft::tool {
 
 namespace {
 
-constexpr std::uint32_t depth_of_recorder = 256;  // the most that shared memory keeps
+constexpr std::uint32_t depth_of_recorder = 256;  // the maximum depth of a queue in shared memory
 constexpr std::uint32_t retained_most = 128;      // PublisherOptions::history_depth
 constexpr std::size_t queue_bytes = std::size_t{256} << 20;
-constexpr std::size_t turn_most = 1000;  // samples of a topic before the others have their turn
+constexpr std::size_t turn_most = 1000;  // samples of a topic that are taken before other topics are served
 
 std::uint64_t to_ns(std::chrono::sys_time<std::chrono::nanoseconds> time) {
   return static_cast<std::uint64_t>(time.time_since_epoch().count());
 }
 
-/// Shared memory loses nothing but what has no room in the queue of a reader.
+/// Returns true if a loss with this transport occurred in the queue of a reader. In shared memory, no other
+/// losses are possible.
 bool is_queue(TransportKind transport) { return transport == TransportKind::shm; }
 
 }  // namespace
@@ -124,8 +125,8 @@ void RecordedTopic::discard() {
   }
 }
 
-/// Remembers samples of a publisher that is a guess. Returns true for one that comes again, because another
-/// subscriber has been opened since.
+/// Returns true if the sample was already taken by another subscription, while its publisher had not been
+/// discovered yet. Notes the sample in `source` as long as that is the case.
 bool RecordedTopic::is_known(Source& source, std::uint64_t sequence) {
   if (!source.is_guess) {
     const auto found = std::ranges::find(source.taken, sequence);
@@ -144,9 +145,10 @@ void RecordedTopic::take(Subscription& from, SampleWriter& writer, std::optional
     if (!sample) return;
     const SampleInfo& info = sample.info();
     auto source = sources_.find(info.writer);
-    if (source != sources_.end() && source->second.offer != from.offer) continue;  // it comes by another one
+    // Another subscription takes the sample
+    if (source != sources_.end() && source->second.offer != from.offer) continue;
     if (source == sources_.end()) {
-      // Its publisher was not looked for yet, or has gone before it was.
+      // The publisher has not been discovered yet, or is already gone.
       DomainSnapshot::Endpoint unknown;
       unknown.id = info.writer;
       unknown.qos.reliability = from.offer.reliability;
@@ -161,7 +163,7 @@ void RecordedTopic::take(Subscription& from, SampleWriter& writer, std::optional
     if (is_known(source->second, info.sequence)) continue;
     const std::span<const std::byte> cdr = sample.cdr();
     if (cdr.empty() || sample.mask() != selection_.mask()) {
-      ++counts_.lost_by_network;  // malformed, or of a request that is not ours
+      ++counts_.lost_by_network;  // malformed, or sent for another request
       continue;
     }
     const recording::Message message{.sequence = static_cast<std::uint32_t>(info.sequence),

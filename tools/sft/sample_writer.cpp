@@ -11,11 +11,11 @@ namespace {
 using namespace std::chrono_literals;
 using recording::McapWriter;
 
-constexpr auto flush_period = 1s;  // a program that is killed loses no more than that
+constexpr auto flush_period = 1s;  // the maximum time of samples that a killed process loses
 constexpr std::uint64_t after_trigger_ns = 1'000'000'000;
 constexpr std::size_t channels_most = UINT16_MAX;
 
-/// run.mcap becomes run_3.mcap.
+/// Returns the path with a number before its extension: "run_3.mcap" for "run.mcap".
 std::string numbered(const std::string& path, std::size_t number) {
   const std::filesystem::path whole(path);
   std::filesystem::path name = whole.stem();
@@ -126,7 +126,7 @@ void SampleWriter::note(const Result<void>& done) {
   status_.bytes = state_.closed_bytes + (state_.file ? state_.file->bytes() : 0);
 }
 
-// ---- the thread ----
+// ---- functions of the writing thread ----
 
 void SampleWriter::run() {
   for (bool is_over = false; !is_over;) {
@@ -154,7 +154,7 @@ void SampleWriter::run() {
 void SampleWriter::take(const Shared& sample) {
   state_.last_ns = sample->message.log_ns;
   if (options_.window.count() == 0) return write(sample);
-  // Simulated time may go back.
+  // Simulated time may jump back.
   const std::uint64_t from_trigger_ns =
       std::max(state_.last_ns, state_.trigger_ns) - std::min(state_.last_ns, state_.trigger_ns);
   if (state_.trigger_ns != 0 && from_trigger_ns <= after_trigger_ns) return write(sample);
@@ -164,10 +164,11 @@ void SampleWriter::take(const Shared& sample) {
   if (state_.file && from_trigger_ns > std::max(window_ns, after_trigger_ns)) close_file();
 }
 
-/// Removes from the window what is too old, or more than memory is for.
+/// Removes samples from the window that are older than its length, or for which there is too little memory.
 void SampleWriter::shorten_window() {
   const auto window_ns = static_cast<std::uint64_t>(options_.window.count());
-  const std::uint64_t most = options_.memory_bytes - options_.memory_bytes / 4;  // new ones need room, too
+  // New samples need memory, too
+  const std::uint64_t most = options_.memory_bytes - options_.memory_bytes / 4;
   while (!state_.window.empty()) {
     const Shared& oldest = state_.window.front();
     const bool is_old = oldest->message.log_ns + window_ns < state_.last_ns;
@@ -177,19 +178,21 @@ void SampleWriter::shorten_window() {
   }
 }
 
-/// The sample that has caused the trigger may come after it, since it comes by another subscriber. So the
-/// time of the trigger counts, and not that of the last sample, which may be long ago.
+/// Writes the window. `trigger_ns` is the time of the trigger, which counts instead of the time of the last
+/// sample. That sample may be much older, and the sample that caused the trigger may arrive later, since
+/// another subscriber receives it.
 void SampleWriter::write_window(std::uint64_t trigger_ns) {
   state_.trigger_ns = std::max<std::uint64_t>(trigger_ns, 1);
   for (const Shared& sample : state_.window) write(sample);
   state_.window.clear();
 }
 
-/// Keeps the sample as long as it is one of those that its publisher retains.
+/// Adds the sample to the samples that its publisher retains, and removes the oldest of these if there are
+/// too many.
 void SampleWriter::remember(const Shared& sample) {
   std::unique_lock lock(mutex_);
   KnownChannel& channel = channels_[sample->channel];
-  lock.unlock();  // what follows is used by this thread only, and entries stay where they are
+  lock.unlock();  // only this thread uses `last`, and elements of channels_ never move
   if (channel.retained == 0) return;
   channel.last.push_back(sample);
   if (channel.last.size() > channel.retained) channel.last.pop_front();
@@ -230,7 +233,7 @@ bool SampleWriter::open_file(std::uint64_t log_ns) {
     lock.unlock();
     for (const Shared& sample : retained) {
       recording::Message message = sample->message;
-      message.log_ns = log_ns;  // it belongs to this file; when it was published stays as it was
+      message.log_ns = log_ns;  // the log time lies in this file; the time of publishing does not change
       ++state_.given[i].again;
       write_to_file(i, message);
     }
@@ -272,7 +275,7 @@ void SampleWriter::close_file() {
   flush();
   const Result<void> done = state_.file->close();
   for (const auto& [channel, given] : state_.given) {
-    // Retained ones come first in a file.
+    // The first messages of a file are retained samples.
     const std::uint64_t written = state_.file->messages(static_cast<std::uint16_t>(channel + 1));
     count_lost(channel, std::min(given.once, given.again + given.once - written));
   }

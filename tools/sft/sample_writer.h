@@ -1,10 +1,10 @@
-// Writes samples into files of MCAP, on a thread of its own.
+// Writes samples into MCAP files, on its own thread.
 //
-// put() copies a sample and returns, so that no sample of a publisher is held while a disk is slow. What has
-// no room in memory is lost, and counted. Files are split by size or time; each begins with the retained
-// samples of all publishers. With a window, samples stay in memory until trigger() is called. Then a file is
-// written with the window, and with what comes within a second. It goes on with the next trigger, if that
-// comes within the length of the window.
+// put() copies a sample and returns, so that samples of publishers are not held while the disk is slow.
+// Samples for which there is no memory are lost, and counted. Files are split by size or time. Each file
+// begins with the retained samples of all publishers. If a window is set, samples stay in memory until
+// trigger() is called. Then the window and the samples of the following second are written to a file. If
+// the next trigger comes within the length of the window, its samples are written to the same file.
 #pragma once
 
 #include <atomic>
@@ -27,25 +27,27 @@ namespace sft::tool {
 class SampleWriter {
  public:
   struct Options {
-    std::string path{};  ///< with a window or a split, a number is put in front of its extension
+    /// The path of the file; with a window or a split, each file has a number before its extension
+    std::string path{};
     recording::McapWriter::Options file{};
-    /// For all samples in memory: those that are not written yet, those of the window, of which three
-    /// quarters are used, and the retained ones.
+    /// The limit for all samples in memory: samples that are not written yet, the window, which may use
+    /// three quarters of the limit, and retained samples.
     std::uint64_t memory_bytes = std::uint64_t{1} << 30;
-    std::uint64_t split_bytes = 0;           ///< 0: no split
-    std::chrono::nanoseconds split_time{0};  ///< 0: no split
-    std::chrono::nanoseconds window{0};      ///< 0: everything is written
-    recording::Texts about{};                ///< a metadata record of each file
+    std::uint64_t split_bytes = 0;  ///< the size at which a new file begins; 0: files are not split by size
+    /// the duration after which a new file begins; 0: files are not split by time
+    std::chrono::nanoseconds split_time{0};
+    std::chrono::nanoseconds window{0};  ///< the length of the window; 0: everything is written
+    recording::Texts about{};            ///< the metadata record that each file gets
   };
   struct Status {
     std::uint64_t samples = 0;  ///< messages in the files, without those of a chunk that is still open
     std::uint64_t bytes = 0;    ///< the size of all files
     std::vector<std::string> files{};
-    std::string fault{};  ///< why nothing more is written; empty: all is well
+    std::string fault{};  ///< the reason why nothing more is written; empty: there was no fault
     bool is_over = false;
   };
 
-  /// The path of a file of such a recording; `number` counts its files.
+  /// Returns the path of file number `number` of a recording, from 0.
   static std::string path_of(const Options& options, std::size_t number);
 
   explicit SampleWriter(Options options);
@@ -53,21 +55,22 @@ class SampleWriter {
   SampleWriter(const SampleWriter&) = delete;
   SampleWriter& operator=(const SampleWriter&) = delete;
 
-  /// Returns the number of a channel for put(). `retained` is how many of its last samples belong to the
-  /// beginning of each file. The identifiers of both records are chosen here.
+  /// Adds a channel, and returns its number for put(). Each file begins with the last `retained` samples of
+  /// the channel. The ids in both records are ignored and chosen here.
   std::size_t add_channel(recording::Schema schema, recording::Channel channel, std::uint32_t retained);
-  /// Copies the sample. `message.channel` is not used. Returns false if it is lost, because memory is full or
-  /// nothing more can be written.
+  /// Copies the sample. `message.channel` is ignored. Returns false if the sample is lost, because memory
+  /// is full or nothing more can be written.
   bool put(std::size_t channel, const recording::Message& message);
-  /// The samples of the channel that put() has accepted, and that a fault of the disk has kept out of the
-  /// files. It is complete once Status::is_over is true.
+  /// Returns the number of samples of the channel that put() has accepted, but that are not in the files
+  /// because of a fault of the disk. The number is final once Status::is_over is true.
   std::uint64_t lost(std::size_t channel) const;
-  /// Writes the window, and what comes within a second of the log time `log_ns`. Not to be called without a
-  /// window.
+  /// Writes the window, and the samples that arrive within a second of the log time `log_ns`. REQUIRES: a
+  /// window is set.
   void trigger(std::uint64_t log_ns);
-  /// Says what was lost of each topic so far, for the metadata of the files.
+  /// Sets the losses of each topic so far, which are written to the metadata of the files.
   void set_losses(recording::Texts losses);
-  /// Writes everything and closes the file. Returns at once; Status::is_over is true when it is done.
+  /// Makes the thread write all samples and close the file. Does not wait for that. Status::is_over becomes
+  /// true when it is done.
   void finish();
   Status status() const;
 
@@ -79,27 +82,28 @@ class SampleWriter {
   };
   using Shared = std::shared_ptr<const Sample>;
   struct Queued {
-    Shared sample{};  ///< null: a trigger
+    Shared sample{};  ///< null: the entry is a trigger
     std::uint64_t trigger_ns = 0;
   };
   struct KnownChannel {
     recording::Schema schema;
     recording::Channel channel;
     std::uint32_t retained;
-    std::uint64_t lost = 0;     ///< guarded by the mutex
-    std::deque<Shared> last{};  ///< what was retained when the next file begins; only the thread uses it
+    std::uint64_t lost = 0;  ///< guarded by the mutex
+    /// samples that the publisher has retained at the beginning of the next file; used by the thread only
+    std::deque<Shared> last{};
   };
-  /// The messages of a channel that the present file was given.
+  /// The number of messages of a channel that were passed to the present file.
   struct Given {
-    std::uint64_t again = 0;  ///< retained ones, which an earlier file has, too
+    std::uint64_t again = 0;  ///< retained samples that an earlier file has, too
     std::uint64_t once = 0;
   };
-  /// The state that only the thread uses.
+  /// State that is used by the thread only.
   struct State {
     std::optional<recording::McapWriter> file{};
     std::uint64_t closed_bytes = 0;  ///< the size of the files before this one
     std::uint64_t closed_samples = 0;
-    std::map<std::size_t, Given> given{};  ///< by channel
+    std::map<std::size_t, Given> given{};  ///< numbers of messages, by channel
     std::uint64_t begin_ns = 0;            ///< the log time of the file's first sample
     recording::Texts written_losses{};
     std::deque<Shared> window{};
@@ -124,18 +128,18 @@ class SampleWriter {
   bool has_failed() const;
 
   const Options options_;
-  std::atomic<std::uint64_t> held_bytes_{0};  ///< of all samples in memory
+  std::atomic<std::uint64_t> held_bytes_{0};  ///< the memory of all samples
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  // The next ones are guarded by the mutex.
+  // The following members are guarded by the mutex.
   std::deque<Queued> queue_{};
-  std::deque<KnownChannel> channels_{};  ///< grows only
+  std::deque<KnownChannel> channels_{};  ///< channels are never removed
   recording::Texts losses_{};
   bool finishes_ = false;
   Status status_{};
 
   State state_{};
-  std::thread thread_;  ///< the last member, since it uses the others
+  std::thread thread_;  ///< must be the last member, since the thread uses the others
 };
 
 }  // namespace sft::tool

@@ -69,7 +69,7 @@ Result<Session> Session::open(const CommonOptions& options, std::string_view com
   using enum NodeOptions::VanillaDds;
   node.vanilla_dds = options.dds.value_or(command == "perf" ? automatic : always);
   return Node::open(node).map([&](Node&& opened) {
-    (void)opened.domain();  // from now on, the node receives announcements of all other nodes
+    (void)opened.domain();  // from now on, the node discovers all other nodes
     return Session(std::move(opened), options, stop, output);
   });
 }

@@ -45,7 +45,7 @@ class Session {
     return wait_until(enough, options_.timeout_s);
   }
 
-  /// Returns the name without a leading slash, which has no meaning.
+  /// Returns the name without a leading slash, because the slash has no meaning.
   static std::string plain_name(std::string_view topic);
   /// Returns the name under which nodes announce a topic that the user has written with or without a leading
   /// slash. Returns nothing while no node publishes or subscribes to the topic.
@@ -80,8 +80,9 @@ class Session {
 /// reliable readers only, and these match reliable writers only.
 Durability requestable_durability(const DomainSnapshot::Endpoint& publisher);
 
-/// Pauses if the publisher serves readers of DDS. Such a reader finds the publisher a moment later than it is
-/// found, and misses what is published before, unless it is latched.
+/// Waits for a moment if the publisher serves readers of DDS. Such a reader discovers the publisher later
+/// than the publisher discovers the reader, and misses samples that are published in between, unless they
+/// are retained.
 void await_dds_readers(const DynamicPublisher& publisher, Stop& stop);
 
 /// The part of an error that explains why a host that --peer names is not found.

@@ -11,7 +11,8 @@ namespace sft::tool {
 namespace {
 
 constexpr std::size_t gap = 2;
-constexpr std::size_t width_most = 256;  // of a column; longer cells, which files can have, stand out
+// the limit for a column; longer cells, which files can have, are not padded
+constexpr std::size_t width_most = 256;
 
 std::size_t longest_word(std::string_view text) {
   std::size_t longest = 0;

@@ -7,7 +7,7 @@ namespace sft::tool {
 
 namespace {
 
-/// Returns the position of the brace that closes the one in front; npos: there is none.
+/// Returns the position of the brace that closes the first brace of the text; npos if there is none.
 std::size_t closing_brace(std::string_view text) {
   int depth = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -26,7 +26,7 @@ bool has_several(std::string_view fields) {
   });
 }
 
-/// "every 2" is what people write for "every 2nd".
+/// Changes "every 2" to "every 2nd", because people often leave out the ending.
 std::string with_ordinals(const std::string& gate) {
   static const std::regex bare(R"(\bevery\s+(\d+)(?=\s*($|\)|or\b|and\b|at\b)))");
   return std::regex_replace(gate, bare, "every $1th");
@@ -52,7 +52,7 @@ Result<TopicSelection> parse_topic_selection(std::string_view text) {
     if (parsed.text.find_first_not_of(' ') == parsed.text.npos)
       return wrong("there is nothing in the braces");
     rest.remove_prefix(close + 1);
-    if (rest.starts_with('[')) {  // behind the braces as well as within
+    if (rest.starts_with('[')) {  // the part may be after the braces or within them
       const std::size_t end_of_part = rest.find(']');
       if (end_of_part == rest.npos) return wrong("a bracket is not closed");
       if (has_several(parsed.text)) return wrong("[...] behind the braces is for a single field within");

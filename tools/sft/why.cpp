@@ -95,8 +95,9 @@ void print_pair(const DomainSnapshot::Pair& pair, const OneTopic& topic, const W
   print_row("subscriber", "may use " + ways_text(subscriber), output);
 }
 
-/// DDS cannot tell a node of SFT from others. So a publisher that serves DDS readers also sends whole
-/// messages to the DDS reader of a subscriber that hears DDS writers.
+/// Returns a text for a topic on which a subscriber of SFT also receives from DDS writers. A publisher
+/// cannot distinguish the DDS reader of this subscriber from other DDS readers. So a publisher that serves
+/// DDS readers sends whole messages to that reader, too.
 std::string text_of_whole_messages(const OneTopic& topic) {
   const auto& pairs = topic.pairs;
   const bool serves = std::ranges::any_of(
@@ -140,8 +141,8 @@ void print_pairs_json(const OneTopic& topic, const std::vector<Finding>& finding
                    {"out_of_reach", std::move(out_of_reach)}});
 }
 
-/// Returns true if all nodes of DDS have announced what they read and write, and all nodes of SFT that match
-/// endpoints of DDS on the topic have endpoints for them.
+/// Returns true if all nodes of DDS have announced their readers and writers, and all nodes of SFT have
+/// opened DDS endpoints for the endpoints of DDS that match on the topic.
 bool dds_has_answered(const DomainSnapshot& domain, const OneTopic& topic) {
   return all_dds_nodes_have_answered(domain) &&
          std::ranges::none_of(topic.pairs, [](const DomainSnapshot::Pair& pair) {

@@ -8,7 +8,8 @@ namespace sft::tool {
 
 class Stop {
  public:
-  /// REQUIRES: the program has no other thread yet, since threads inherit the mask of blocked signals.
+  /// Blocks these signals. REQUIRES: the program has no other thread yet, since new threads inherit the
+  /// mask of blocked signals.
   Stop();
   ~Stop();
   Stop(const Stop&) = delete;

@@ -117,14 +117,20 @@ void Inbox::forget_the_finished() noexcept {
   std::erase_if(writers_, [](const Writer& w) { return !w.connected && w.queue.empty(); });
 }
 
-/// Removes and returns the oldest sample of the disconnected writers, if they keep more samples than
+/// Removes and returns the oldest sample of the disconnected writers, if they keep more samples or bytes than
 /// allowed. The caller releases it without the lock. Returns null if they do not keep too many.
 core::SampleHandle Inbox::drop_surplus() noexcept {
   const auto departed = [](const Writer& w) { return !w.connected; };
   const core::Lock lock(mutex_);
   std::size_t kept = 0;
-  for (const Writer& writer : writers_) kept += departed(writer) ? writer.queue.size() : 0;
-  if (kept <= depth_) return {};
+  std::uint64_t bytes = 0;
+  for (const Writer& writer : writers_) {
+    if (!departed(writer)) continue;
+    kept += writer.queue.size();
+    bytes += writer.queue.bytes();
+  }
+  const bool has_too_many_bytes = depth_bytes_ != 0 && bytes > depth_bytes_ && kept > 1;
+  if (kept <= depth_ && !has_too_many_bytes) return {};
   Writer& first = *first_to_come(departed);
   core::SampleHandle sample = first.queue.pop();
   ++discarded_;

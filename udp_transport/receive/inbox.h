@@ -40,7 +40,7 @@ class Inbox {
 
   void connect(const core::Source& source);
   /// Disconnects the writer. Its queued samples can still be taken. All disconnected writers together keep
-  /// at most as many samples as one connected writer: the newest ones.
+  /// at most as many samples and bytes as one connected writer: the newest ones.
   void disconnect(core::EndpointId writer) noexcept;
   bool connected(core::EndpointId writer) const noexcept;
   core::HistoryProgress history(core::EndpointId writer) const noexcept;

@@ -37,6 +37,7 @@ class KeepLastQueue {
 
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
+  std::uint64_t bytes() const { return bytes_; }  ///< the bytes of the bodies that wait
   /// Says which further samples can wait without displacing older ones.
   class Room {
    public:

@@ -79,8 +79,8 @@ struct DomainSnapshot {
 
   std::vector<Endpoint> publishers;   ///< ordered by topic, then by node
   std::vector<Endpoint> subscribers;  ///< in the same order
-  /// In the order of the publishers, then of the subscribers. Pairs with an endpoint of DDS are the last
-  /// ones; there is none of two such endpoints.
+  /// The pairs in the order of the publishers, then of the subscribers. Pairs with an endpoint of DDS are
+  /// the last ones. No pair consists of two endpoints of DDS.
   std::vector<Pair> pairs;
   std::vector<DdsNode> dds_nodes;  ///< all DDS participants that know nothing of SFT
 };
@@ -115,8 +115,8 @@ struct DomainSnapshot::Progress {
 struct DomainSnapshot::Endpoint {
   std::uint64_t id = 0;       ///< random; a new one each time that an endpoint is opened
   std::uint64_t node_id = 0;  ///< a number that differs between nodes, even if their names are equal
-  /// The name of the endpoint's node. For an endpoint of DDS, that of its node of ROS 2, as "/left/driver",
-  /// or "DDS" and the GUID prefix of its participant.
+  /// The name of the endpoint's node. For an endpoint of DDS: the name of its node in ROS 2, such as
+  /// "/left/driver", or "DDS" and the GUID prefix of its participant.
   std::string node;
   bool is_own = false;          ///< true: the endpoint belongs to the node that was asked
   std::string topic;            ///< the name without a slash at the beginning
@@ -125,8 +125,8 @@ struct DomainSnapshot::Endpoint {
   std::uint64_t type_hash = 0;  ///< equal for equal definitions of the type; 0 for an endpoint of DDS
   /// The fields of the type; empty if the type is too large to be described, and for an endpoint of DDS.
   std::optional<DynamicType> type{};
-  /// The QoS that a publisher offers or a subscriber requests. DDS does not tell the depth of a history,
-  /// which is 0 then.
+  /// The QoS that a publisher offers or a subscriber requests. DDS does not announce the depth of a
+  /// history: for an endpoint of DDS it is 0.
   Qos qos;
   std::optional<Dds> dds{};              ///< not empty: the endpoint knows nothing of SFT
   bool may_use_shm = false;              ///< true: the options of the endpoint allow shared memory

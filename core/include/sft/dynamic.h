@@ -168,27 +168,28 @@ class [[nodiscard]] DynamicPublisher {
 };
 
 /// An encoded message that is written in the memory from which readers on this host will read it, so that
-/// publish() copies nothing. For programs that encode messages themselves, such as bindings of other
+/// publish() copies nothing. It is for programs that encode messages themselves, such as bindings of other
 /// languages.
 ///
-/// A loan is moved, not copied. It owns its memory until it is published; an unpublished loan gives the
-/// memory back when it is destroyed. A loan may outlive its publisher. One thread at a time uses it; any
-/// thread may destroy it.
+/// A loan can be moved, but not copied. It owns its memory until it is published; an unpublished loan
+/// releases the memory when it is destroyed. A loan may outlive its publisher. It must be used by only one
+/// thread at a time; any thread may destroy it.
 class [[nodiscard]] DynamicPublisher::Loan {
  public:
   /// For SFT's own code: DynamicPublisher::loan_cdr() makes loans.
   Loan(detail::untyped::Loan loan, std::size_t bytes) : loan_(std::move(loan)), bytes_(bytes) {}
 
-  /// Returns the memory of the body: XCDR1 in little-endian byte order, without the encapsulation. The first
-  /// byte has an address that is a multiple of 8. At first the memory has pieces of earlier samples: write
-  /// every byte, also padding, which is zero. Valid until the loan is published, moved or destroyed; empty
-  /// after that.
+  /// Returns the memory of the body: XCDR1 in little-endian byte order, without the encapsulation. The
+  /// address of the first byte is a multiple of 8. The memory contains pieces of earlier samples at first.
+  /// So every byte must be written, including padding, which must be 0. The result is valid until the loan
+  /// is published, moved or destroyed, and empty after that.
   std::span<std::byte> body() {
     std::byte* const first = loan_.body();
     return {first, first == nullptr ? 0 : bytes_};
   }
   /// Checks the body like DynamicPublisher::publish_cdr(), publishes it, and passes the memory to its
-  /// readers. After an error the loan is over. Only the thread that uses the publisher may call this.
+  /// readers. After an error the loan cannot be used any more. Only the thread that uses the publisher may
+  /// call this.
   [[nodiscard]] Result<PublishStatus> publish() && { return std::move(loan_).publish_cdr(); }
 
  private:

@@ -132,10 +132,10 @@ struct NodeOptions {
   };
 
   /// The conditions under which publishers also serve unmodified nodes of DDS and ROS 2 that read their
-  /// topics, and subscribers hear those that write to their topics (docs/ros2.md). `automatic`: while a node
-  /// that is not one of SFT is found, unless the program uses DDS itself. A node on this host that was
-  /// started earlier is found within 8 s. A node that uses the loopback only is not found. `always`: as long
-  /// as the node has a publisher or a subscriber.
+  /// topics, and subscribers receive from such nodes that write to their topics (docs/ros2.md).
+  /// `automatic`: while a node that is not one of SFT is found, unless the program uses DDS itself. A node
+  /// on this host that was started earlier is found within 8 s. A node that uses only the loopback is not
+  /// found. `always`: as long as the node has a publisher or a subscriber.
   enum class VanillaDds : std::uint8_t { automatic, always, never };
 
   /// The names of topics and types in DDS. `ros2`: those that ROS 2 gives them, "rt/points" and
@@ -175,8 +175,8 @@ struct NodeOptions {
   bool use_sim_time = false;
   /// The DDS domain of the control topics, 0 to domain_max. Default: $ROS_DOMAIN_ID, otherwise 0.
   std::optional<std::uint32_t> domain{};
-  /// When unmodified nodes of DDS and ROS 2 are served. Default: the value of $SFT_VANILLA_DDS (auto,
-  /// always, never), otherwise automatic.
+  /// The conditions under which unmodified nodes of DDS and ROS 2 are served. Default: the value of
+  /// $SFT_VANILLA_DDS (auto, always, never), otherwise automatic.
   std::optional<VanillaDds> vanilla_dds{};
   /// The names by which unmodified nodes are served and heard. Default: the value of $SFT_DDS_NAMES (ros2,
   /// plain), otherwise ros2.

@@ -58,11 +58,27 @@ class [[nodiscard]] Service {
   /// While it runs, other requests are queued. It returns a response, or an error whose message is sent to
   /// the client. It must not throw.
   using Handler = std::function<Result<typename S::Response>(const typename S::Request&)>;
+  /// A handler that fills the response in, which may be too large for the stack. The response is as its
+  /// constructor made it. After an error it is not sent.
+  using FillingHandler = std::function<Result<void>(const typename S::Request&, typename S::Response&)>;
 
   /// Opens the server, which serves until the returned object is destroyed. If two servers have the same
   /// name, clients use neither of them. `options` are the options of the publisher of replies, for example
   /// `max_sample_bytes`. That publisher is always reliable.
   [[nodiscard]] static Result<Service> open(Node& node, std::string_view service, Handler handler,
+                                            PublisherOptions options = {}) {
+    static_assert(sizeof(typename S::Response) <= (1 << 20),
+                  "the response is too large for the stack: let the handler fill it in: "
+                  "[](const Request&, Response&) -> sft::Result<void>");
+    FillingHandler fill;
+    if (handler) {
+      fill = [handler = std::move(handler)](const auto& request, auto& response) {
+        return handler(request).map([&](typename S::Response&& made) { response = std::move(made); });
+      };
+    }
+    return open(node, service, std::move(fill), options);
+  }
+  [[nodiscard]] static Result<Service> open(Node& node, std::string_view service, FillingHandler handler,
                                             PublisherOptions options = {}) {
     if (!handler) return fail(Errc::invalid_argument, "service '" + std::string(service) + "': no handler");
     options.reliability = reliable;
@@ -86,7 +102,7 @@ class [[nodiscard]] Service {
   /// The state that the callback uses. Only the thread that runs the callback uses it.
   class State {
    public:
-    State(Handler handler, Publisher<Reply> replies)
+    State(FillingHandler handler, Publisher<Reply> replies)
         : handler_(std::move(handler)), replies_(std::move(replies)), id_(replies_.status().id) {}
 
     void answer(const Sample<Call>& sample) {
@@ -104,24 +120,24 @@ class [[nodiscard]] Service {
       reply->client = call.client;
       reply->number = call.number;
       reply->server = id_;
-      Result<typename S::Response> response = handler_(call.request);
-      if (response) {
-        reply->response = std::move(*response);
-      } else {
-        reply->error = "the server refuses: " + response.error().message;
-      }
+      if (const Result<void> done = handler_(call.request, reply->response); !done)
+        refuse(*reply, "the server refuses: " + done.error().message);
       send(*reply);
       served_.answered(call.client, std::move(reply), std::chrono::steady_clock::now(), expiry);
     }
 
     void send(Reply& reply) {
       if (replies_.publish(reply) != PublishStatus::invalid) return;
-      reply.error = "the response cannot be sent: " + replies_.why_invalid();
-      reply.response = {};
+      refuse(reply, "the response cannot be sent: " + replies_.why_invalid());
       replies_.publish(reply);
     }
 
-    const Handler handler_;
+    static void refuse(Reply& reply, std::string reason) {
+      reply.error = std::move(reason);
+      reply.response = std::move(*std::make_unique<typename S::Response>());
+    }
+
+    const FillingHandler handler_;
     Publisher<Reply> replies_;
     const std::uint64_t id_;
     Served served_;

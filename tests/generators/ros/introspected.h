@@ -1,5 +1,5 @@
-// The bytes of ROS 2's structs as ROS 2 makes them: Fast CDR writes and reads the members that
-// rosidl_typesupport_introspection_cpp lists, as rmw_fastrtps_dynamic_cpp does. SFT has no part in it.
+// Encodes structs of ROS 2 without SFT. Fast CDR writes and reads the members that
+// rosidl_typesupport_introspection_cpp lists, in the same way as rmw_fastrtps_dynamic_cpp does.
 #pragma once
 
 #include <cstddef>

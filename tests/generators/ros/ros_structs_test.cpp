@@ -1,5 +1,6 @@
-// Structs that ROS 2's rosidl made of all messages that SFT brings along, and of those with which ROS 2 tests
-// its own compilers. SFT encodes them as ROS 2's own typesupport does, and decodes into them.
+// ROS 2's rosidl has made structs of all messages that SFT installs, and of the messages with which ROS 2
+// tests its own compilers. SFT encodes these structs as ROS 2's own typesupport does, and decodes into
+// them.
 #include <gtest/gtest.h>
 
 #include <memory>

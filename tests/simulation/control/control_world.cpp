@@ -189,16 +189,16 @@ void ControlWorld::look(SimProcess& process) {
 void ControlWorld::act(SimProcess& process) {
   for (const PeerAction& action : process.peers.take_actions()) {
     note(process, action);
-    if (const auto* const renewal = std::get_if<RenewLink>(&action)) {
-      ++renewals_;
-      if (SimLink* const link = link_of(process, renewal->link)) open(process, link->network, link->id);
-    }
-    if (const auto* const end = std::get_if<EndLink>(&action)) {
-      if (SimLink* const link = link_of(process, end->link)) close(*link, true);
-    }
-    if (const auto* const announcement = std::get_if<Announce>(&action)) {
-      if (SimLink* const link = link_of(process, announcement->link)) announce(*link, announcement->asks);
-    }
+    const auto* const of_link = std::get_if<LinkAction>(&action);
+    if (of_link == nullptr) continue;
+    using Kind = LinkAction::Kind;
+    renewals_ += of_link->kind == Kind::renew ? 1 : 0;
+    SimLink* const link = link_of(process, of_link->link);
+    if (link == nullptr) continue;
+    if (of_link->kind == Kind::renew) open(process, link->network, link->id);
+    if (of_link->kind == Kind::end) close(*link, true);
+    if (of_link->kind == Kind::announce || of_link->kind == Kind::ask)
+      announce(*link, of_link->kind == Kind::ask);
   }
 }
 

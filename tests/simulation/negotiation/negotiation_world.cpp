@@ -206,7 +206,8 @@ void NegotiationWorld::change_selection(std::size_t n, std::size_t which) {
   const std::uint64_t number = random_ != nullptr ? (*random_)() : first_possibility;
   // The selection is not closed, because the serving side closes it.
   const Selection wish = wish_of(*type_, number);
-  const bool is_new = state_.nodes[n].negotiation.requirement_changed(id, wish);
+  const std::uint32_t period = state_.asked.last(id).request.min_period_us;
+  const bool is_new = state_.nodes[n].negotiation.requirement_changed(id, {wish, period});
   if (!is_new && !(type_->closed(wish) == type_->closed(reader.wanted)))
     return fail("another selection is the same");
   if (!is_new) return;
@@ -218,10 +219,11 @@ void NegotiationWorld::change_selection(std::size_t n, std::size_t which) {
 
 void NegotiationWorld::change_rate(std::size_t n, std::size_t which) {
   --state_.left.rate_changes;
-  const Id id = nth(state_.nodes[n].readers, which).first;
+  const auto& [id, reader] = nth(state_.nodes[n].readers, which);
   const std::uint32_t was = state_.asked.last(id).request.min_period_us;
   const bool rises = was == 0 || (random_ != nullptr && (*random_)() % 2 == 0);
-  const bool is_new = state_.nodes[n].negotiation.rate_changed(id, rises ? was + 1000 : 0);
+  const bool is_new =
+      state_.nodes[n].negotiation.requirement_changed(id, {reader.wanted, rises ? was + 1000 : 0});
   if (!is_new) return fail("another rate is the same");
   note_request(n, id);
   changed(n, is_new);

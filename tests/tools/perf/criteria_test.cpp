@@ -1,4 +1,4 @@
-// Conditions of --fail-if: what they mean, and where a wrong one is wrong.
+// Conditions of --fail-if: their meaning, and the positions of mistakes in errors.
 #include "tools/perf/criteria.h"
 
 #include <gmock/gmock.h>

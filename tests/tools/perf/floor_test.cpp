@@ -1,4 +1,4 @@
-// Plain sockets beside SFT carry messages of any size, whole, there and back.
+// The plain sockets with which `sft perf` compares SFT carry whole messages of any size in both directions.
 #include "tools/perf/floor.h"
 
 #include <gtest/gtest.h>

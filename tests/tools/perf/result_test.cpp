@@ -1,4 +1,4 @@
-// The results of a run, and the figures that it leaves out because it cannot know them.
+// The results of a run. Figures that cannot be known are left out.
 #include "tools/perf/result.h"
 
 #include <gmock/gmock.h>

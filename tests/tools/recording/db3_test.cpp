@@ -1,4 +1,4 @@
-// The SQLite files of rosbag2, good ones and others.
+// Reading the SQLite files of rosbag2, valid, damaged and hostile ones.
 #include <sqlite3.h>
 
 #include "tests/support/recorded_data.h"

@@ -1,4 +1,4 @@
-// Estimates of what selections would send.
+// Estimates of the bytes that selections would have sent.
 #include "tools/recording/estimate.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,5 @@
-// Damaged and hostile files of MCAP: errors name record and offset, and what can be read is read.
+// Damaged and hostile MCAP files. Errors name the record and its offset, and everything that can be read is
+// read.
 #include <lz4frame.h>
 #include <sys/stat.h>
 #include <zstd.h>

@@ -1,4 +1,5 @@
-// The verb bridge between domains of this host. tests/system/bridge_test.cpp has bridges of two hosts.
+// The verb bridge between two domains on this host. tests/system/bridge_test.cpp tests bridges on two
+// hosts.
 #include <sft/json.h>
 #include <sft/msg_text.h>
 #include <algorithm>

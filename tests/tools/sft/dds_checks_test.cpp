@@ -1,4 +1,4 @@
-// Settings and nodes that are out of reach of SFT are named, and others are not.
+// The checks report exactly those settings and nodes that prevent communication between DDS nodes and SFT.
 #include "tools/sft/dds_checks.h"
 
 #include <gmock/gmock.h>

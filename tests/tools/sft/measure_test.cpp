@@ -113,9 +113,9 @@ TEST_F(MeasureTest, DelayTakesAnyFieldOfTheTypeTime) {
   EXPECT_EQ(json["since"], "transforms[1].header.stamp");
   EXPECT_GT(json["delay_s"]["min"], 1.9);
   EXPECT_LT(json["delay_s"]["max"], 20);
-  EXPECT_EQ(measured({"delay", "tf", "--field", "transforms[0].header.stamp"})["not_set"].get<int>() > 10,
+  EXPECT_EQ(measured({"delay", "tf", "--field", "transforms[0].header.stamp"})["not_set"].get<int>() > 0,
             true);
-  EXPECT_GT(measured({"delay", "tf", "--field", "transforms[7].header.stamp"})["absent"], 10);
+  EXPECT_GT(measured({"delay", "tf", "--field", "transforms[7].header.stamp"})["absent"], 0);
   const Ended wrong = run_tool({"delay", "tf", "--field", "transforms[0].child_frame_id"});
   EXPECT_EQ(wrong.code, 2);
   EXPECT_THAT(wrong.err, HasSubstr("has no field 'transforms[0].child_frame_id' of the type Time"));

@@ -1,4 +1,4 @@
-// Things of which there is one for each key.
+// Tests of keep_one_for_each(), which keeps one object for each key.
 #include "tools/sft/one_for_each.h"
 
 #include <gmock/gmock.h>

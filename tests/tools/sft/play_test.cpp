@@ -335,6 +335,12 @@ TEST_F(BagTest, ANewFileIsMadeFromOneRecordingOnly) {
   EXPECT_FALSE(std::filesystem::exists(path("new.mcap")));
 }
 
+TEST_F(BagTest, APageThatCannotBeWrittenIsNamedWithTheReason) {
+  const Ended ended = run_tool({"bag", "estimate", write({{0, 1}}), "--html", "/dev/full"});
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_THAT(ended.err, HasSubstr("'/dev/full' cannot be written: No space left on device"));
+}
+
 TEST_F(BagTest, CheckFindsAFlippedByte) {
   const std::string file = write({{0, 1}, {1000, 2}});
   EXPECT_EQ(run_tool({"bag", "check", file}).code, 0);

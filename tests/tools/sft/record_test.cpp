@@ -1,4 +1,5 @@
-// The verb record: topics and selections become files that others read.
+// The verb record. The recorded files have the topics and selections that the user names, and other
+// programs can read them.
 #include <sys/mount.h>
 
 #include <array>

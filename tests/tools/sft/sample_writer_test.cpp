@@ -1,4 +1,4 @@
-// The thread that writes recordings: what it loses is counted, and what it keeps is bounded.
+// The thread that writes recordings. Lost samples are counted, and the memory for samples is limited.
 #include "tools/sft/sample_writer.h"
 
 #include <gmock/gmock.h>

@@ -83,5 +83,25 @@ TEST_F(RoomInAQueue, ThatAWriterWaitsForCountsAgainstItsTimeout) {
   EXPECT_EQ(port->time_left(), 0ns);
 }
 
+class SamplesOfDepartedWriters : public ShmNodeTest {};
+
+TEST_F(SamplesOfDepartedWriters, HaveNoMoreBytesThanTheReaderAskedFor) {
+  Reader reader(node(), 10, reader_id, 10'000'000);
+  ChunkCounter chunks(node(), 4'000'000);
+  const std::size_t before = chunks.free();
+  for (core::EndpointId id = 1; id <= 6; ++id) {
+    Writer writer(node(), id);
+    ASSERT_TRUE(reader.connects_to(id));
+    writer.send_frame(4'000'000);
+    reader.port().disconnect(id);
+  }
+  EXPECT_TRUE(chunks.comes_to(before - 2));
+  EXPECT_EQ(reader.port().counters().lost_unnoticed, 4U);
+  EXPECT_EQ(sequence_of(reader.take()), 1U);
+  EXPECT_EQ(reader.take()->writer, 6U);
+  EXPECT_FALSE(reader.take());
+  EXPECT_TRUE(chunks.comes_to(before));
+}
+
 }  // namespace
 }  // namespace sft::test

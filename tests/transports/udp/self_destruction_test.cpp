@@ -1,5 +1,6 @@
-// A transport is destroyed within its listener. Not run under the thread sanitizer, which does not notice
-// that liburing unmaps a ring, and takes the next ring at that address for the same memory.
+// A transport is destroyed within its listener. The test is not run under the thread sanitizer. The
+// sanitizer does not notice that liburing unmaps a ring, so it confuses the next ring at that address with
+// the former one.
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 

@@ -1,4 +1,4 @@
-// Small samples beside large samples, on a link that is far too slow for the large ones.
+// Small samples and large samples at the same time, on a link that is far too slow for the large samples.
 #include <gtest/gtest.h>
 #include <sched.h>
 

@@ -2,6 +2,8 @@
 // been copied into the sample yet when the part is cut.
 #include <gtest/gtest.h>
 
+#include <sensor_msgs/msg/JointState.hpp>
+#include <sensor_msgs/msg/LaserScan.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
 #include "sft/detail/postponed_copies.h"
@@ -48,6 +50,29 @@ TEST_F(CutMemory, HasTheBytesThatAProjectionWithoutItHas) {
     ASSERT_LE(in_memory.segments().size(), 1U);
     ASSERT_EQ(test::gathered(in_memory), test::gathered(alone)) << "in round " << round;
   }
+}
+
+/// The fields that are not asked for are far larger than the part.
+TEST_F(CutMemory, HasNoBytesOfFieldsThatAreNotAskedFor) {
+  const auto expect_little = [](const TypeSupport& support, const test::Encoded& source, const char* text) {
+    const detail::ProjectionPlan plan(support, support.closed(support.parse_selection(text).value()));
+    detail::Projection projection;
+    ASSERT_TRUE(projection.project(source.state(), plan));
+    std::vector<std::byte> memory(projection.bytes_most(source.state(), plan));
+    EXPECT_GE(memory.size(), projection.bytes()) << text;
+    EXPECT_LT(memory.size(), projection.bytes() + 2000) << text;
+    EXPECT_TRUE(projection.project(source.state(), plan, memory)) << text;
+  };
+  sensor_msgs::msg::LaserScan scan;
+  scan.ranges.resize(3000);
+  scan.intensities.resize(500'000);
+  for (const char* text : {"ranges[:2]", "header, ranges[::3]", "ranges"})
+    expect_little(type_support<sensor_msgs::msg::LaserScan>(), test::Encoded(scan), text);
+  sensor_msgs::msg::JointState joints;
+  for (int i = 0; i < 30; ++i) joints.name.push_back("joint");
+  joints.position.resize(300'000);
+  for (const char* text : {"name[:2]", "header, name[::3]"})
+    expect_little(type_support<sensor_msgs::msg::JointState>(), test::Encoded(joints), text);
 }
 
 TEST_F(CutMemory, ThatIsTooLittleIsRefused) {

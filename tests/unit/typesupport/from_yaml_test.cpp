@@ -108,6 +108,15 @@ TEST(FromYamlTest, NumbersHaveTheFormsOfYaml) {
     EXPECT_NE(yaml_fault<std_msgs::msg::UInt64>(std::string("data: ") + text), "") << text;
 }
 
+TEST(FromYamlTest, ANumberHasManyFormsButATextOrABooleanIsNone) {
+  for (const char* text : {"50", "5e1", "50.0", "+50", "50."})
+    EXPECT_TRUE(means(std::string("x: ") + text, geometry_msgs::msg::Point{.x = 50})) << text;
+  for (const char* text : {"'50'", "\"50\"", "true", "fifty", "[50]", ""})
+    EXPECT_THAT(yaml_fault<geometry_msgs::msg::Point>(std::string("x: ") + text), HasSubstr("'x'")) << text;
+  for (const char* text : {"50.5", "'50'", "true", "-1"})
+    EXPECT_THAT(yaml_fault<std_msgs::msg::UInt64>(std::string("data: ") + text), HasSubstr("'data'")) << text;
+}
+
 TEST(FromYamlTest, WhatIsNotOfTheTypeIsNamedByItsPath) {
   EXPECT_EQ(yaml_fault<PointCloud2>("fields: [{}, {offset: -1}]"),
             "'fields[1].offset' is -1; an integer from 0 to 4294967295 was expected");

@@ -1,4 +1,4 @@
-// Fields may have the same names as the parts of views, masks and loans.
+// Fields may have the same names as members of views, masks and loans.
 #include <gtest/gtest.h>
 
 #include <ranges>

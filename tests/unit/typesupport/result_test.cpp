@@ -1,4 +1,4 @@
-// The consequences of an error that a program does not check.
+// What happens if a program does not check for an error.
 #include "sft/result.h"
 
 #include <gtest/gtest.h>

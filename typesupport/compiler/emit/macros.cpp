@@ -95,7 +95,8 @@ constexpr std::string_view macros =
     "WORD_BIT WSTOPPED WUNTRACED W_OK XATTR_LIST_MAX XATTR_NAME_MAX XATTR_SIZE_MAX X_OK assert errno "
     "linux offsetof sched_priority stderr stdin stdout unix ";
 
-// The macros of Qt; of X11/X.h, Xlib.h and Xutil.h; of windows.h and its includes; and of usual options -D.
+// The macros of Qt; of X11/X.h, Xlib.h and Xutil.h; of windows.h and its includes; and of usual compiler
+// options -D.
 constexpr std::string_view foreign_macros[] = {
     "emit", "foreach", "forever", "signals", "slots",
     //

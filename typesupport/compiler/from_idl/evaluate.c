@@ -43,7 +43,7 @@ static bool ends_with(const char* content, const char* end, const char* word) {
   return (size_t)(end - content) >= length && strncmp(end - length, word, length) == 0;
 }
 
-// Returns the position behind the last "@default(" or "@default(value=" in front of `at`.
+// Returns the position after the last "@default(" or "@default(value=" that begins before `at`.
 static const char* start_of_argument(const char* content, const char* at) {
   for (; at > content; --at) {
     if (at[-1] != '(') continue;

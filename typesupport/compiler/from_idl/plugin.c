@@ -9,8 +9,8 @@
 
 #define EXPORTED __attribute__((visibility("default")))
 
-// idlc stores the arguments of options by pointers, which it asks for before it calls generate(). Hence
-// static variables.
+// idlc asks for pointers to these variables before it calls generate(), and stores the arguments of options
+// in them. So they are static.
 static const char* include_roots = "";
 static const char* dependency_file = "";
 static const char* copies = "";

@@ -35,7 +35,7 @@ static struct sft_value evaluated(struct sft_reading* reading, const struct sft_
   return value;
 }
 
-// Returns the end of the element that starts at `at`: behind its closing quote, or at the next comma or
+// Returns the end of the element that starts at `at`: after its closing quote, or at the next comma or
 // bracket.
 static const char* end_of_element(const char* at) {
   const char quote = *at;

@@ -7,7 +7,7 @@
 #include "memory.h"
 #include "read_type.h"
 
-// The rules of a struct as they stand in the file.
+// The rules of a struct as they are written in the file.
 struct rules {
   struct sft_rule* list;
   const idl_annotation_appl_t** places;
@@ -63,7 +63,7 @@ static const char* text_of(const idl_annotation_appl_t* annotation) {
   return is_text ? ((const idl_literal_t*)parameter->const_expr)->value.str : "";
 }
 
-// The column is right if the text is one literal without escapes, as it should be.
+// The column is right if the text is a single literal without escapes, which is the usual form.
 static void refuse(struct sft_reading* reading, const idl_annotation_appl_t* annotation,
                    const struct sft_rule_fault* fault) {
   const idl_annotation_appl_param_t* parameter = annotation->parameters;

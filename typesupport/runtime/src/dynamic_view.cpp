@@ -176,7 +176,8 @@ DynamicView DynamicView::member_at(const Member& m, const Place& place) const {
   return view.place_.slot == no_slot && view.place_.offset == no_offset ? view.malformed() : view;
 }
 
-/// Returns this view on the sample with all parts put together, where elements can be read one by one.
+/// Returns this view of the sample with all parts put together. In that sample, elements can be read one by
+/// one.
 DynamicView DynamicView::put_together() const {
   const SampleState& whole = state_->parts->put_together();
   if (whole.body == nullptr) return malformed();

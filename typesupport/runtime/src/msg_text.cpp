@@ -36,7 +36,8 @@ constexpr std::size_t unit_bytes_max = 255;
 
 static_assert(static_cast<int>(SFT_STRUCTURE) == static_cast<int>(Kind::structure));
 
-/// Returns the service that has this message, of which "SetBool_Call" is a name; nothing if it is none.
+/// Returns the service to which this message belongs, such as "SetBool" for "SetBool_Call"; nothing if the
+/// message belongs to no service.
 std::optional<TypeName> service_of(const TypeName& name) {
   for (const std::string_view part : {"_Request", "_Response", "_Call", "_Reply"}) {
     if (name.folder == "srv" && name.name.ends_with(part))

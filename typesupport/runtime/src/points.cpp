@@ -99,7 +99,7 @@ std::string names_of_channels(const SampleState& s, std::uint64_t fields, std::u
   return names.empty() ? "none" : names;
 }
 
-/// Returns a text that says why the first channel of that name cannot be read, though the cloud has it.
+/// Returns an error text that says why the first channel of that name, which the cloud has, cannot be read.
 std::string fault_of_channel(const SampleState& s, std::uint64_t fields, std::uint32_t point_step,
                              const std::string& name) {
   const Extent all = checked_length(s, fields);

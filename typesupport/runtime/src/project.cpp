@@ -47,6 +47,7 @@ void ProjectionPlan::add_all(const StructType& type) {
   std::size_t leaf = 0;
   std::size_t slot = 0;
   add(type, leaf, slot);
+  slots_ = slot;
   for (Step& step : steps_) {
     if (step.member == nullptr) measure(step.run);
   }
@@ -480,9 +481,22 @@ std::size_t Projection::bytes_most(const SampleState& source, const ProjectionPl
   if (!source.mask->contains(plan.mask()) || !find_cuts(source, plan)) return 0;
   // The maximum padding before each member and before each length, in bytes.
   constexpr std::size_t padding = 7;
-  std::uint64_t bytes = source.body_bytes + 2 * padding * (plan.steps_.size() + plan.blocks_.size() + 1);
-  for (std::size_t i = 0; i < plan.parts_.size(); ++i) bytes -= cuts_[i].bytes_less();
+  std::uint64_t bytes = 2 * padding * (plan.steps_.size() + plan.blocks_.size() + 1);
+  for (const ProjectionPlan::Step& step : plan.steps_) bytes += plan.bytes_of(step, source);
+  for (std::size_t i = 0; i < plan.parts_.size(); ++i) bytes -= std::min(bytes, cuts_[i].bytes_less());
   return bytes;
+}
+
+/// Returns the bytes of the step's fields in the source. They end where the next field begins that the source
+/// has.
+std::uint64_t ProjectionPlan::bytes_of(const Step& step, const SampleState& source) const {
+  const auto begin_of = [&](std::size_t slot) {
+    return __atomic_load_n(source.index + slot, __ATOMIC_RELAXED);
+  };
+  std::size_t behind = step.slot + std::max(1U, step.run.blocks);
+  while (behind < slots_ && begin_of(behind) == no_offset) ++behind;
+  const std::uint32_t end = behind < slots_ ? begin_of(behind) : source.body_bytes;
+  return end - std::min(end, begin_of(step.slot));
 }
 
 }  // namespace sft::detail

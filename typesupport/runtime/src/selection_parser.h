@@ -25,7 +25,7 @@ LeafPlace place_of(const StructType& type, std::size_t leaf);
 /// Returns true for a number, a boolean, an enumeration or a string that is not in an array or a sequence.
 bool is_scalar(const LeafPlace& place);
 
-/// Returns the scalars to which `changed` without names refers.
+/// Returns the scalars among the leaves of `mask`: the condition `changed` without names refers to them.
 std::vector<std::uint32_t> scalars_of(const TypeSupport& type, const FieldMask& mask);
 
 class SelectionParser {

@@ -90,7 +90,7 @@ void append_float(std::string& out, F value) {
   }
 }
 
-/// Cuts the text between characters, to at most `most` bytes.
+/// Shortens the text to at most `most` bytes, without cutting a character of UTF-8.
 std::string_view cut(std::string_view text, std::size_t most) {
   if (text.size() <= most) return text;
   while (most > 0 && (static_cast<std::uint8_t>(text[most]) & 0xc0U) == 0x80) --most;

@@ -50,8 +50,8 @@ class OnlyCall {
 /// A server, as far as a client knows about it.
 struct SeenServer {
   std::uint64_t id = 0;    ///< the id of the server's publisher of replies
-  std::string node;        ///< true: types and policies are compatible, and the server is alive
-  bool matched = false;    ///< true: types and policies fit, and the server is alive
+  std::string node;        ///< the name of the server's node
+  bool matched = false;    ///< true: types and policies are compatible, and the server is alive
   bool connected = false;  ///< true: calls can be sent, and replies received
   std::string reason;      ///< the reason why the server is not matched or not connected
 };

@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 
+#include "core/names/names.h"
 #include "tests/support/test_seed.h"
 
 namespace sft::core {

@@ -99,8 +99,20 @@ TEST(CycloneSettings, OfFilesAndTextsAreReadInOrder) {
 TEST(CycloneSettings, OfAFileThatCannotBeReadAreAnErrorThatNamesIt) {
   const auto settings = CycloneSettings::read("<General/>,file:///nowhere/cyclone.xml", our_domain);
   ASSERT_FALSE(settings);
+  EXPECT_THAT(settings.error().message, HasSubstr("CYCLONEDDS_URI"));
   EXPECT_THAT(settings.error().message,
-              HasSubstr("'file:///nowhere/cyclone.xml', which cannot be read: No such file"));
+              HasSubstr("the file '/nowhere/cyclone.xml' cannot be read: No such file"));
+  const auto directory = CycloneSettings::read("file:///tmp", our_domain);
+  ASSERT_FALSE(directory);
+  EXPECT_THAT(directory.error().message, HasSubstr("the file '/tmp' cannot be read: it is a directory"));
+}
+
+TEST(CycloneSettings, ThatAreNestedTooDeeplyAreAnError) {
+  std::string text;
+  for (int i = 0; i < 100'000; ++i) text += "<a>";
+  const auto settings = CycloneSettings::read(text, our_domain);
+  ASSERT_FALSE(settings);
+  EXPECT_THAT(settings.error().message, HasSubstr("elements are nested too deeply"));
 }
 
 TEST(CycloneSettings, ThatAreMalformedAreAnErrorThatSaysWhere) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <set>
 #include <string>
+#include <variant>
 
 #include "core/control/record_body.h"
 
@@ -21,22 +22,22 @@ using ::testing::SizeIs;
 
 constexpr ProcessId process_one = 1, process_two = 2;
 
-/// Records the calls by which a node is notified.
-class Listener final : public DiscoveryListener {
- public:
-  void endpoint_seen(const Endpoint& endpoint) override {
-    said.push_back("seen " + std::to_string(endpoint.id));
-    seen = endpoint;
+/// Records the events of a node.
+struct Listener {
+  void operator()(const EndpointSeen& endpoint) {
+    said.push_back("seen " + std::to_string(endpoint->id));
+    seen = *endpoint;
   }
-  void endpoint_departed(EndpointId id) override { said.push_back("departed " + std::to_string(id)); }
-  void endpoint_lost(EndpointId id) override { said.push_back("lost " + std::to_string(id)); }
-  void request_received(const Request& request) override {
+  void operator()(const EndpointDeparted& one) { said.push_back("departed " + std::to_string(one.id)); }
+  void operator()(const EndpointLost& one) { said.push_back("lost " + std::to_string(one.id)); }
+  void operator()(const Request& request) {
     said.push_back("request " + std::to_string(request.sequence) + " of " + std::to_string(request.reader));
   }
-  void report_received(const NodeReport& report) override { reports.push_back(report); }
-  void log_news(News news, const std::string& text, std::uint64_t times) override {
-    std::vector<std::string>& texts = news == News::malformed ? refused : ignored;
-    texts.insert(texts.end(), times, text);
+  void operator()(const NodeReport& report) { reports.push_back(report); }
+  void operator()(const VanillaChanged&) { said.emplace_back("vanilla"); }
+  void operator()(const DiscoveryNews& news) {
+    std::vector<std::string>& texts = news.kind == DiscoveryNews::Kind::malformed ? refused : ignored;
+    texts.insert(texts.end(), news.times, news.text);
   }
 
   std::vector<std::string> said, refused, ignored;
@@ -93,7 +94,7 @@ class DirectoryTest : public ::testing::Test {
     directory.record_changed({process, role, {slot, RecordKind::request}, {++revision, nullptr}});
   }
   std::vector<std::string> events_of(Node& node) {
-    for (const DiscoveryEvent& event : directory.take_events(*node.node)) event(node.listener);
+    for (const DiscoveryEvent& event : directory.take_events(*node.node)) std::visit(node.listener, event);
     return std::exchange(node.listener.said, {});
   }
 

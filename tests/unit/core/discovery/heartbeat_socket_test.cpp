@@ -22,8 +22,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 constexpr std::uint16_t test_port = 47'414;
-const HeartbeatSocket::Place heartbeats_on_loopback{
-    .ip = loopback_ipv4, .index = 1, .port = test_port, .reaches_own_host = true};
+const LinkSpec link_of_tests{.ip = loopback_ipv4, .reaches_own_host = true, .index = 1};
 
 std::vector<Heartbeat> heartbeats_taken(HeartbeatSocket& socket) {
   std::vector<Heartbeat> heartbeats;
@@ -51,8 +50,8 @@ class HeartbeatSocketTest : public ::testing::Test {
     if (!one || !other) GTEST_SKIP() << "the loopback has no multicast here";
   }
 
-  std::optional<HeartbeatSocket> one = HeartbeatSocket::open(heartbeats_on_loopback),
-                                 other = HeartbeatSocket::open(heartbeats_on_loopback);
+  std::optional<HeartbeatSocket> one = HeartbeatSocket::open(link_of_tests, test_port),
+                                 other = HeartbeatSocket::open(link_of_tests, test_port);
   const Heartbeat heartbeat{.participant = {5}, .process = 77};
 };
 
@@ -110,9 +109,8 @@ TEST_F(HeartbeatSocketTest, AFloodDoesNotHoldUpWhoTakes) {
   EXPECT_EQ(heard, HeartbeatSocket::taken_at_once_max);
 }
 
-TEST(HeartbeatSocketPlace, OnAnInterfaceThatIsNotThereIsNone) {
-  EXPECT_FALSE(HeartbeatSocket::open(
-      {.ip = IpAddress(0xC0000201), .index = 4'000'000, .port = test_port, .reaches_own_host = false}));
+TEST(HeartbeatSocketOpen, OnAnInterfaceThatIsNotThereIsNone) {
+  EXPECT_FALSE(HeartbeatSocket::open({.ip = IpAddress(0xC0000201), .index = 4'000'000}, test_port));
 }
 
 }  // namespace

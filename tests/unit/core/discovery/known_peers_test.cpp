@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 #include <thread>
+#include <variant>
 #include <vector>
 
 namespace sft::core {
@@ -18,18 +19,6 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using namespace std::chrono_literals;
 
-class Listener final : public DiscoveryListener {
- public:
-  void endpoint_seen(const Endpoint&) override {}
-  void endpoint_departed(EndpointId) override {}
-  void endpoint_lost(EndpointId) override {}
-  void request_received(const Request&) override {}
-  void report_received(const NodeReport&) override {}
-  void log_news(News, const std::string& text, std::uint64_t) override { texts.push_back(text); }
-
-  std::vector<std::string> texts;
-};
-
 class KnownPeersTest : public ::testing::Test {
  protected:
   KnownPeersTest() {
@@ -37,11 +26,11 @@ class KnownPeersTest : public ::testing::Test {
   }
   /// Returns what the node has been notified of since the last call.
   std::vector<std::string> taken() {
-    Listener listener;
+    std::vector<std::string> texts;
     for (const DiscoveryEvent& event :
          known.with([&](Peers&, Directory& directory) { return directory.take_events(*node); }))
-      event(listener);
-    return listener.texts;
+      texts.push_back(std::get<DiscoveryNews>(event).text);
+    return texts;
   }
   std::vector<std::string> warnings() {
     known.look(now);

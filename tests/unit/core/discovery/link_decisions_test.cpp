@@ -1,5 +1,6 @@
-// A link on which records are missing is made anew, with pauses that grow as long as this does not help. A
-// participant that is heard, but was not found, is asked to announce itself.
+// A link on which records are missing is made anew. The pauses between two attempts grow as long as records
+// are missing. A participant whose heartbeats arrive, but which discovery has not found, is asked to
+// announce itself.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -57,9 +58,13 @@ class LinkDecisionsTest : public ::testing::Test {
     now += time;
     peers.look(now);
     for (const PeerAction& action : peers.take_actions()) {
-      if (const auto* const renewal = std::get_if<RenewLink>(&action)) due.renewals.push_back(renewal->link);
-      if (const auto* const end = std::get_if<EndLink>(&action)) due.ends.push_back(end->link);
-      if (const auto* const one = std::get_if<Announce>(&action)) due.announcements.push_back(one->asks);
+      const auto* const of_link = std::get_if<LinkAction>(&action);
+      if (of_link == nullptr) continue;
+      using enum LinkAction::Kind;
+      if (of_link->kind == renew) due.renewals.push_back(of_link->link);
+      if (of_link->kind == end) due.ends.push_back(of_link->link);
+      if (of_link->kind == announce || of_link->kind == ask)
+        due.announcements.push_back(of_link->kind == ask);
     }
     for (const LinkId renewed : due.renewals) {
       renewed_at.push_back(now);

@@ -62,13 +62,16 @@ class PeersTest : public ::testing::Test {
     for (const PeerAction& action : peers.take_actions()) {
       if (std::holds_alternative<PeerLost>(action)) ++losses, holds.clear();
       if (const auto* const record = std::get_if<RecordChanged>(&action)) note(*record);
-      if (const auto* const renewal = std::get_if<RenewLink>(&action)) renew(renewal->link);
       if (const auto* const cut = std::get_if<PathsCut>(&action)) cut_links = cut->links;
-      if (const auto* const missing = std::get_if<HeartbeatsMissing>(&action))
-        unheard.push_back(missing->link);
-      if (const auto* const one = std::get_if<Announce>(&action))
-        announced.emplace_back(now - began_at, one->link, one->asks);
+      if (const auto* const of_link = std::get_if<LinkAction>(&action)) note(*of_link);
     }
+  }
+  void note(const LinkAction& action) {
+    using Kind = LinkAction::Kind;
+    if (action.kind == Kind::renew) renew(action.link);
+    if (action.kind == Kind::use_topic) unheard.push_back(action.link);
+    if (action.kind == Kind::announce || action.kind == Kind::ask)
+      announced.emplace_back(now - began_at, action.link, action.kind == Kind::ask);
   }
   void renew(LinkId link) {
     renewed.push_back(link);

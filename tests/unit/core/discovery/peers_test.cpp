@@ -104,13 +104,14 @@ TEST_F(PeersTest, MakesALinkAnewThatDoesNotBringWhatHeartbeatsCount) {
 TEST_F(PeersTest, SaysFromWhereTheHeartbeatsComeThatCountWhatIsMissing) {
   const IpAddress elsewhere(0x0a000007);
   found(cable);
-  std::vector<RenewLink> renewals;
+  std::vector<LinkAction> renewals;
   for (int i = 0; i < 60; ++i) {
     now += 1s;
     peers.heartbeat_came(cable, {on(cable).guid, neighbour, {99, 0}}, now, {}, elsewhere);
     peers.look(now);
     for (const PeerAction& action : peers.take_actions()) {
-      if (const auto* const renewal = std::get_if<RenewLink>(&action)) renewals.push_back(*renewal);
+      const auto* const of_link = std::get_if<LinkAction>(&action);
+      if (of_link != nullptr && of_link->kind == LinkAction::Kind::renew) renewals.push_back(*of_link);
     }
   }
   ASSERT_FALSE(renewals.empty());
@@ -336,8 +337,10 @@ class PeerLimitsTest : public PeersTest {
     for (const Time end = now + time; now < end; now += 1s) {
       small.heartbeat_came(cable, {on(cable, number).guid, number, {99, 0}}, now);
       small.look(now);
-      for (const PeerAction& action : small.take_actions())
-        renewals += std::holds_alternative<RenewLink>(action) ? 1 : 0;
+      for (const PeerAction& action : small.take_actions()) {
+        const auto* const of_link = std::get_if<LinkAction>(&action);
+        renewals += of_link != nullptr && of_link->kind == LinkAction::Kind::renew ? 1 : 0;
+      }
     }
     return renewals;
   }

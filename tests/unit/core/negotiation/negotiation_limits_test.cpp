@@ -1,4 +1,5 @@
-// Limits of the writers that a reader hears, and of the definitions of a type that are compared.
+// The limits of the writers from which a reader receives, and of the definitions of a type that are
+// compared.
 #include <gtest/gtest.h>
 
 #include "tests/unit/core/negotiation/negotiation_fixture.h"

@@ -359,13 +359,14 @@ TEST_F(NegotiationTest, AWriterIsConnectedOnceOurReaderListensToItAndWhileItsNod
 TEST_F(NegotiationTest, EveryChangeOfARequirementOrAnAttachmentIsANewerRequest) {
   our_reader();
   const std::uint64_t first = negotiation.local(200)->request.sequence;
-  EXPECT_TRUE(negotiation.requirement_changed(200, FieldMask(F::data | F::height)));
-  EXPECT_FALSE(negotiation.requirement_changed(200, FieldMask(F::data | F::height)));
+  const Selection wanted(FieldMask(F::data | F::height));
+  EXPECT_TRUE(negotiation.requirement_changed(200, {wanted}));
+  EXPECT_FALSE(negotiation.requirement_changed(200, {wanted}));
   EXPECT_TRUE(negotiation.connection_changed(200, 7, false, true));
   EXPECT_FALSE(negotiation.connection_changed(200, 7, false, true));
   EXPECT_TRUE(negotiation.connection_changed(200, 7, true, true));
-  EXPECT_TRUE(negotiation.rate_changed(200, 1000));
-  EXPECT_FALSE(negotiation.rate_changed(200, 1000));
+  EXPECT_TRUE(negotiation.requirement_changed(200, {wanted, 1000}));
+  EXPECT_FALSE(negotiation.requirement_changed(200, {wanted, 1000}));
   const Request& asked = negotiation.local(200)->request;
   EXPECT_EQ(asked.sequence, first + 4);
   EXPECT_EQ(asked.attached, std::vector<EndpointId>{7});
@@ -405,8 +406,9 @@ TEST_F(NegotiationTest, AReaderIsServedReliablyAndHearsSoIfItAsksForThat) {
 
 TEST_F(NegotiationTest, AMaximumRateTravelsInRequestsAndIsInForceInRoutes) {
   our_reader();
-  EXPECT_TRUE(negotiation.rate_changed(200, 100'000));
-  EXPECT_FALSE(negotiation.rate_changed(200, 100'000));
+  const Wanted slow{FieldMask(F::data), 100'000};
+  EXPECT_TRUE(negotiation.requirement_changed(200, slow));
+  EXPECT_FALSE(negotiation.requirement_changed(200, slow));
   EXPECT_EQ(negotiation.local(200)->request.min_period_us, 100'000U);
   EXPECT_EQ(negotiation.local(200)->request.sequence, 2U);
 

@@ -152,7 +152,7 @@ TEST_F(LocalReaderTest, AnotherMaximumRateIsAskedForOnce) {
 
 TEST_F(LocalReaderTest, ItsRequestTellsTheSubscriberWhatIsInForce) {
   open_by_network();
-  negotiation.rate_changed(200, 1000);
+  negotiation.requirement_changed(200, {mask, 1000});
   reader->send_request();
   EXPECT_EQ(core->feed().status().requests, request().sequence);
   EXPECT_EQ(core->feed().status().mask, mask);

@@ -93,6 +93,16 @@ TEST_F(MisspeltTopicsTest, ATopicThatIsPublishedIsNotLookedAtAgain) {
   EXPECT_THAT(after(1000s), IsEmpty());
 }
 
+/// Nodes of DDS are not in the table.
+TEST_F(MisspeltTopicsTest, ATopicThatANodeOfDdsPublishesIsNotLookedAtAgain) {
+  publish("pints");
+  publish("points");
+  EXPECT_THAT(after(3s), IsEmpty());
+  publishers.clear();
+  publish("points");
+  EXPECT_THAT(after(1000s), IsEmpty());
+}
+
 TEST_F(MisspeltTopicsTest, ATopicOfAnotherTypeOrOneThatTheNodeSubscribesToIsNotMeant) {
   publishers["nav_msgs::msg::Odometry"] = {{"points", "robot"}};
   EXPECT_THAT(after(3s), IsEmpty());

@@ -68,7 +68,7 @@ class TestReaderPort final : public IdleNetworkReader {
 class TestDiscovery final : public Discovery {
  public:
   Configuration configuration() const override { return {}; }
-  void take_events(DiscoveryListener&) override {}
+  std::vector<DiscoveryEvent> take_events() override { return {}; }
   void hear(Role) override {}
   std::vector<KnownPublisher> publishers_of(std::string_view) const override { return {}; }
   void announce(const Endpoint& endpoint) override { announced.push_back(endpoint); }
@@ -138,15 +138,15 @@ class ReconcilerTest : public ::testing::Test {
     return core;
   }
   void requested(Request request) {
-    reconciler.request_received(request);
+    reconciler.take(request);
     reconciler.reconcile();
   }
   void writer_seen(EndpointId id) {
-    reconciler.endpoint_seen(endpoint(Role::writer, id));
+    reconciler.take(std::make_shared<const Endpoint>(endpoint(Role::writer, id)));
     reconciler.reconcile();
   }
   void writer_departed(EndpointId id) {
-    reconciler.endpoint_departed(id);
+    reconciler.take(EndpointDeparted{id});
     reconciler.reconcile();
   }
 

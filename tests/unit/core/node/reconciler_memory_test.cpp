@@ -59,14 +59,14 @@ TEST_F(ReconcilerInMemoryTest, PublishersThatAreMadeUpTakeFewPortsAndGiveThemBac
   const auto seen = [&](EndpointId id) {
     Endpoint writer = here(Role::writer, id);
     writer.node_id = id;
-    node.endpoint_seen(writer);
+    node.take(std::make_shared<const Endpoint>(writer));
     node.reconcile();
   };
   for (EndpointId id = 1000; id < 1200; ++id) seen(id);
   EXPECT_EQ(memory.connections.size(), 128U);
   seen(7);
   EXPECT_FALSE(memory.connections.contains(7)) << "none is left";
-  for (EndpointId id = 1000; id < 1200; ++id) node.endpoint_lost(id);
+  for (EndpointId id = 1000; id < 1200; ++id) node.take(EndpointLost{id});
   node.reconcile();
   EXPECT_TRUE(test::eventually([&] {
     node.tick();
@@ -79,7 +79,7 @@ TEST_F(ReconcilerInMemoryTest, ConnectionsThatAreMadeTogetherAreLimitedUntilThei
     for (EndpointId id = 1000; id < 1200; ++id) {
       Endpoint writer = here(Role::writer, id);
       writer.node_id = id;
-      node.endpoint_seen(writer);
+      node.take(std::make_shared<const Endpoint>(writer));
     }
     node.reconcile();
   };
@@ -90,18 +90,18 @@ TEST_F(ReconcilerInMemoryTest, ConnectionsThatAreMadeTogetherAreLimitedUntilThei
   memory.attaches = true;
   Endpoint one_more = here(Role::writer, 7);
   one_more.node_id = 7;
-  node.endpoint_seen(one_more);
+  node.take(std::make_shared<const Endpoint>(one_more));
   node.reconcile();
   EXPECT_TRUE(memory.connections.contains(7)) << "those have shown up";
 }
 
 TEST_F(ReconcilerInMemoryTest, AReaderLetsGoOfAPublisherThatWent) {
   open_reader(200);
-  node.endpoint_seen(here(Role::writer, 7));
-  node.endpoint_seen(here(Role::writer, 8));
+  node.take(std::make_shared<const Endpoint>(here(Role::writer, 7)));
+  node.take(std::make_shared<const Endpoint>(here(Role::writer, 8)));
   node.tick();
   EXPECT_THAT(memory.connections, ElementsAre(7, 8));
-  node.endpoint_departed(7);
+  node.take(EndpointDeparted{7});
   node.tick();
   EXPECT_THAT(memory.connections, ElementsAre(8));
 }
@@ -113,11 +113,11 @@ TEST_F(ReconcilerInMemoryTest, AReaderConnectsAnewWhereItsPublisherBeginsToWaitA
     const EndpointId id = kind == Reliability::reliable ? 8 : 7;
     Endpoint writer = here(Role::writer, id);
     writer.qos.reliability = kind;
-    node.endpoint_seen(writer);
+    node.take(std::make_shared<const Endpoint>(writer));
     node.reconcile();
     memory.asked_for.clear();
     writer.waits = true;
-    node.endpoint_seen(writer);
+    node.take(std::make_shared<const Endpoint>(writer));
     node.reconcile();
     EXPECT_THAT(memory.connections, ::testing::Contains(id));
     EXPECT_EQ(memory.asked_for.size(), kind == Reliability::reliable ? 1U : 0U);
@@ -135,9 +135,9 @@ TEST_F(ReconcilerInMemoryTest, ADaemonThatDoesNotAnswerIsNotAskedForOthersAtOnce
     const auto begin = std::chrono::steady_clock::now();
     own.add_reader(here(Role::reader, 200), {our_core(200), nullptr});
     own.tick();
-    own.endpoint_seen(here(Role::writer, 7));
+    own.take(std::make_shared<const Endpoint>(here(Role::writer, 7)));
     own.reconcile();
-    own.endpoint_seen(here(Role::writer, 8));
+    own.take(std::make_shared<const Endpoint>(here(Role::writer, 8)));
     own.reconcile();
     if (std::chrono::steady_clock::now() - begin >= Retry::pause_min) GTEST_SKIP() << "it took too long";
     if (refusal == Errc::unavailable) {
@@ -151,7 +151,7 @@ TEST_F(ReconcilerInMemoryTest, ADaemonThatDoesNotAnswerIsNotAskedForOthersAtOnce
 
 TEST_F(ReconcilerInMemoryTest, AReaderSaysThatTheHistoryHasBegunOnceItComesThroughMemory) {
   open_reader(200);
-  node.endpoint_seen(here(Role::writer, 7));
+  node.take(std::make_shared<const Endpoint>(here(Role::writer, 7)));
   node.tick();
   EXPECT_THAT(discovery.sent.back().attached, ElementsAre(7));
   EXPECT_THAT(discovery.sent.back().begun, IsEmpty());
@@ -163,7 +163,7 @@ TEST_F(ReconcilerInMemoryTest, AReaderSaysThatTheHistoryHasBegunOnceItComesThrou
 TEST_F(ReconcilerInMemoryTest, ConnectionsAreLookedAfterOftenAsLongAsSamplesComeByThem) {
   open_reader(200);
   const Endpoint writer = here(Role::writer, 7);
-  node.endpoint_seen(writer);
+  node.take(std::make_shared<const Endpoint>(writer));
   memory.progress = HistoryProgress::came;
   Time now = std::chrono::steady_clock::now();
   node.tick(now += std::chrono::seconds(10));
@@ -181,7 +181,7 @@ TEST_F(ReconcilerInMemoryTest, ConnectionsAreLookedAfterOftenAsSoonAsALookFindsT
   Endpoint reader = here(Role::reader, 200);
   reader.qos.durability = Durability::volatile_;
   reader.request.attached = {7};
-  node.endpoint_seen(reader);
+  node.take(std::make_shared<const Endpoint>(reader));
   Time now = std::chrono::steady_clock::now();
   node.tick(now += std::chrono::seconds(10));
   ASSERT_FALSE(memory.routes.empty());

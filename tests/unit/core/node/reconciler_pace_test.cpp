@@ -54,7 +54,7 @@ TEST_F(ReconcilerTest, ANodeLooksTwiceInADeadlineAndSixTimesInALeaseThatItKeepsA
   reconciler.tick(quiet(std::chrono::seconds(15)));
   EXPECT_EQ(reconciler.tick(quiet(std::chrono::seconds(20))), TickPace::pause_when_quiet)
       << "no writer keeps the deadline";
-  reconciler.endpoint_seen(writer);
+  reconciler.take(std::make_shared<const Endpoint>(writer));
   reconciler.reconcile();
   EXPECT_EQ(reconciler.tick(quiet(std::chrono::seconds(30))), requested / 2);
 }

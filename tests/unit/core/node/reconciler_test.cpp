@@ -67,18 +67,18 @@ TEST_F(ReconcilerTest, WhatAWriterThatIsHeardAnnouncesAnewReachesItsConnection) 
   Endpoint first = endpoint(Role::writer, 7);
   first.max_sample_bytes = 1;
   first.waits = false;
-  reconciler.endpoint_seen(first);
+  reconciler.take(std::make_shared<const Endpoint>(first));
   reconciler.reconcile();
   EXPECT_TRUE(connections.announced.empty());
   Endpoint second = first;
   second.max_sample_bytes = 1000;
   second.waits = true;
-  reconciler.endpoint_seen(second);
+  reconciler.take(std::make_shared<const Endpoint>(second));
   reconciler.reconcile();
   ASSERT_EQ(connections.announced.size(), 1U);
   EXPECT_EQ(connections.announced[0].max_sample_bytes, 1000U);
   EXPECT_TRUE(connections.announced[0].waits);
-  reconciler.endpoint_lost(7);
+  reconciler.take(EndpointLost{7});
   reconciler.reconcile();
   ASSERT_EQ(connections.announced.size(), 2U);
   EXPECT_FALSE(connections.announced[1].alive);
@@ -93,11 +93,11 @@ TEST_F(ReconcilerTest, AReaderWhoseProcessIsLostIsServedNoMoreUntilItIsSeenAgain
     reconciler.tick();
     return !port->routes.empty();
   };
-  reconciler.endpoint_seen(reader);
+  reconciler.take(std::make_shared<const Endpoint>(reader));
   EXPECT_TRUE(is_served());
-  reconciler.endpoint_lost(200);
+  reconciler.take(EndpointLost{200});
   EXPECT_FALSE(is_served());
-  reconciler.endpoint_seen(reader);
+  reconciler.take(std::make_shared<const Endpoint>(reader));
   EXPECT_TRUE(is_served());
 }
 
@@ -125,7 +125,7 @@ TEST_F(ReconcilerTest, ARequestThatAsksAWriterForNothingElseIsShownAndChangesNot
   const auto port = std::make_shared<TestWriterPort>();
   const auto core = our_writer(7, port);
   const Endpoint reader = endpoint(Role::reader, 200);
-  reconciler.endpoint_seen(reader);
+  reconciler.take(std::make_shared<const Endpoint>(reader));
   Request request = reader.request;
   request.sequence = 2;
   request.listening = {7};
@@ -216,7 +216,7 @@ TEST_F(ReconcilerTest, ALateReaderIsGivenTheHistoryATickAfterThatHasLeft) {
   Endpoint reader = endpoint(Role::reader, 200);
   reader.qos = writer.qos;
   reader.request.listening = reader.request.begun = {7};
-  reconciler.endpoint_seen(reader);
+  reconciler.take(std::make_shared<const Endpoint>(reader));
   reconciler.reconcile();
   const auto owed = [&] { return port->routes.at(0).history; };
   EXPECT_EQ(owed(), 3U);
@@ -248,7 +248,7 @@ TEST_F(ReconcilerTest, AConnectionByWhichNothingArrivesIsSetUpAnewAndCounted) {
   Endpoint writer = endpoint(Role::writer, 7);
   writer.node_id = 66;
   writer.node = "camera";
-  reconciler.endpoint_seen(writer);
+  reconciler.take(std::make_shared<const Endpoint>(writer));
   reconciler.reconcile();
   ASSERT_THAT(discovery.sent.back().listening, ElementsAre(7));
   logged.clear();
@@ -257,7 +257,7 @@ TEST_F(ReconcilerTest, AConnectionByWhichNothingArrivesIsSetUpAnewAndCounted) {
   const std::size_t before = discovery.sent.size();
   for (int i = 0; i < 8 && discovery.sent.size() == before; ++i) {
     samples += 100;
-    reconciler.report_received({.progress = {{7, samples, 0}}}, now += std::chrono::milliseconds(1000));
+    reconciler.take(NodeReport{.progress = {{7, samples, 0}}}, now += std::chrono::milliseconds(1000));
   }
   ASSERT_EQ(discovery.sent.size(), before + 1);
   EXPECT_THAT(discovery.sent.back().listening, IsEmpty());
@@ -276,11 +276,11 @@ TEST_F(ReconcilerTest, WhatAWriterSentLastIsMissedAlsoIfItsNodeTellsNothingMore)
   const auto core = our_reader(200);
   Endpoint writer = endpoint(Role::writer, 7);
   writer.node_id = 66;
-  reconciler.endpoint_seen(writer);
+  reconciler.take(std::make_shared<const Endpoint>(writer));
   reconciler.reconcile();
   Time now = std::chrono::steady_clock::now() - std::chrono::minutes(1);
-  reconciler.report_received({.progress = {{7, 100, 0}}}, now);
-  reconciler.report_received({.progress = {{7, 200, 0}}}, now += std::chrono::milliseconds(1000));
+  reconciler.take(NodeReport{.progress = {{7, 100, 0}}}, now);
+  reconciler.take(NodeReport{.progress = {{7, 200, 0}}}, now += std::chrono::milliseconds(1000));
   for (int i = 0; i < 4; ++i) reconciler.tick(now += std::chrono::milliseconds(930));
   EXPECT_EQ(core->feed().status().restarts, 1U);
 }
@@ -321,7 +321,7 @@ class ReportsTest : public ReconcilerTest {
     our_reader(300);
     Endpoint reader = endpoint(Role::reader, 200);
     reader.request.listening = {7};
-    reconciler.endpoint_seen(reader);
+    reconciler.take(std::make_shared<const Endpoint>(reader));
     reconciler.reconcile();
   }
   void others_ask(std::set<Inquiry> inquiries) {
@@ -377,7 +377,7 @@ TEST_F(ReportsTest, TellAccountsInTurnsIfThereAreMoreThanOneReportMayHave) {
   for (EndpointId id = first; id < end; ++id) {
     Endpoint reader = endpoint(Role::reader, id);
     reader.request.listening = {7};
-    reconciler.endpoint_seen(reader);
+    reconciler.take(std::make_shared<const Endpoint>(reader));
   }
   others_ask({{.topic = "points", .wants_accounts = true}});
   std::set<AccountId> reported;
@@ -392,7 +392,7 @@ TEST_F(ReportsTest, AreForgottenOnceTheProgramAsksForNoneAnyMore) {
   Reports& ours = reconciler.reports();
   const auto is_known = [&] { return ours.accounts(now).at({7, 200}).subscriber.has_value(); };
   ours.ask("points");
-  reconciler.report_received({.accounts = {{.id = {{7, 200}, Role::reader}}}}, now);
+  reconciler.take(NodeReport{.accounts = {{.id = {{7, 200}, Role::reader}}}}, now);
   EXPECT_TRUE(is_known());
   ours.ask_no_more("points");
   ours.ask("points");
@@ -421,8 +421,9 @@ TEST_F(ReportsTest, AreAskedForOnTheTopicsThatTheProgramNamesUntilItTakesThatBac
 
 TEST_F(ReportsTest, OfAPairAreWhatBothSidesTell) {
   reconciler.reports().ask("points");
-  reconciler.report_received(
-      {.accounts = {{.id = {{7, 200}, Role::reader}, .by_reader = {.received = 5, .lost = 6}}}}, now);
+  reconciler.take(
+      NodeReport{.accounts = {{.id = {{7, 200}, Role::reader}, .by_reader = {.received = 5, .lost = 6}}}},
+      now);
   const auto known = [&](std::chrono::seconds after) {
     return reconciler.reports().accounts(now + after).at({7, 200});
   };
@@ -438,7 +439,7 @@ TEST_F(ReportsTest, OfAPairAreWhatBothSidesTell) {
 
 TEST_F(ReportsTest, OfWhatIsNoPairOnATopicThatThisNodeAsksAboutCountForNothing) {
   const auto knows = [&](const PairId& pair) {
-    reconciler.report_received({.accounts = {{.id = {pair, Role::reader}}}}, now);
+    reconciler.take(NodeReport{.accounts = {{.id = {pair, Role::reader}}}}, now);
     const PairAccounts accounts = reconciler.reports().accounts(now);
     const auto found = accounts.find(pair);
     return found != accounts.end() && found->second.subscriber;
@@ -447,7 +448,7 @@ TEST_F(ReportsTest, OfWhatIsNoPairOnATopicThatThisNodeAsksAboutCountForNothing) 
   reconciler.reports().ask("points");
   Endpoint elsewhere = endpoint(Role::reader, 400);
   elsewhere.topic = "clouds";
-  reconciler.endpoint_seen(elsewhere);
+  reconciler.take(std::make_shared<const Endpoint>(elsewhere));
   for (const PairId& pair : {PairId{7, 400}, PairId{200, 200}, PairId{7, 99}, PairId{0, 0}})
     EXPECT_FALSE(knows(pair));
   EXPECT_TRUE(knows({7, 200}));

@@ -1,5 +1,5 @@
-// A snapshot of the domain has the unmodified endpoints of DDS, and says of each pair with one whether and
-// why it matches.
+// A snapshot of the domain has the unmodified endpoints of DDS. For each pair with such an endpoint, it
+// says whether the pair matches, and why or why not.
 #include "core/node/vanilla_view.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The slots of a node's page of doorbells, of which each subscriber that waits has one.
+// The slots of a node's page of doorbells. Each subscriber that waits has one of these slots.
 #include "core/node/wake_slots.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Every participant gets a turn, even if only a few can be served at once.
+// Every participant gets a turn, even if only a few of them can be served at a time.
 #include "core/platform/turns.h"
 
 #include <gmock/gmock.h>

@@ -434,6 +434,20 @@ TEST_F(TwoFeedsTest, AThreadThatWaitsIsWokenBySamplesOfEither) {
   }
 }
 
+TEST_F(TwoFeedsTest, AWriterWhoseClockIsAheadIsHeardBesideOneThatAlwaysHasANextSample) {
+  for (std::uint64_t sequence = 1; sequence <= 30; ++sequence) arrives(*memory, sequence);
+  arrives(*memory_of_second, 1, 8, 1'000'000);
+  const Came came = all([&] { return subscriber->take(); });
+  const auto place = std::ranges::find(came, 1U, &Came::value_type::first) - came.begin();
+  EXPECT_EQ(place, 16);
+}
+
+TEST_F(TwoFeedsTest, ASelectionThatWasPassedOverChangesNoOrderOfTheSamplesOfAWriter) {
+  for (std::uint64_t sequence = 1; sequence <= 30; ++sequence) arrives(*memory, sequence);
+  arrives(*memory_of_second, 31);
+  EXPECT_EQ(all([&] { return subscriber->take(); }).back(), (std::pair<std::uint32_t, std::uint64_t>{1, 31}));
+}
+
 // The publisher's clock was set back between the two samples.
 TEST_F(TwoFeedsTest, TheSamplesOfAWriterComeInTheOrderOfTheirNumbers) {
   arrives(*memory, 1, 9, 1000);

@@ -1,4 +1,4 @@
-// Samples of DDS writers wait for their subscriber, as far as it asks for them.
+// Samples of DDS writers are queued for their subscriber, up to the limits that the subscriber requests.
 #include "core/subscribe/vanilla_inlet.h"
 
 #include <gmock/gmock.h>
@@ -101,6 +101,13 @@ TEST_F(VanillaInletBytesTest, TheBytesThatWaitAreLimitedButTheNewestSampleStays)
   EXPECT_THAT(taken(), ElementsAre(4));
 }
 
+TEST_F(VanillaInletBytesTest, TheBytesOfAllWritersThatHaveGoneAreLimitedTogether) {
+  for (EndpointId writer = 1; writer <= 5; ++writer)
+    inlet.put({.writer = writer, .sequence = writer, .sample = whole(1, 1000)});
+  inlet.forget_others_than({});
+  EXPECT_THAT(taken(), ElementsAre(4, 5));
+}
+
 TEST_F(VanillaInletTest, WhatCameToAnEarlierReaderDoesNotComeAgain) {
   EXPECT_TRUE(comes(1));
   EXPECT_TRUE(comes(2));
@@ -185,6 +192,26 @@ TEST_F(VanillaInletTest, AWriterThatHasGoneIsForgottenOnceItsSamplesWereTaken) {
   EXPECT_THAT(taken(), ElementsAre(5));
   inlet.forget_others_than(nobody);
   EXPECT_EQ(inlet.arrivals(1), 0U);
+}
+
+TEST_F(VanillaInletTest, NoMoreWaitsOfAllWritersThatHaveGoneThanOfOne) {
+  std::vector<EndpointId> present;
+  for (EndpointId writer = 1; writer <= 200; ++writer) {
+    comes(2 * writer, writer);
+    comes(2 * writer + 1, writer);
+    inlet.forget_others_than(present);
+  }
+  EXPECT_THAT(taken(), ElementsAre(399, 400, 401));
+  EXPECT_EQ(inlet.counters().discarded, 397U);
+  EXPECT_EQ(inlet.counters().lost_unnoticed, 397U);
+}
+
+TEST_F(VanillaInletTest, WhatWaitsOfPresentWritersStaysWhateverHasGone) {
+  const std::vector<EndpointId> present{1, 2};
+  for (const EndpointId writer : present) comes(10 * writer, writer);
+  for (EndpointId writer = 3; writer <= 9; ++writer) comes(10 * writer, writer);
+  inlet.forget_others_than(present);
+  EXPECT_THAT(taken(), ElementsAre(10, 20, 70, 80, 90));
 }
 
 TEST_F(VanillaInletTest, SubscribersShareTheMemoryOfASampleUntilTheLastOneHasReadIt) {

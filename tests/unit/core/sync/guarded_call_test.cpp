@@ -226,5 +226,29 @@ TEST(GuardedCallTest, NoneOfManyThreadsIsInsideOnceItWasCleared) {
   }
 }
 
+/// A thread that waits in close() when the program ends must not stop the program from ending.
+void end_while_a_gate_is_being_closed() {
+  ::alarm(60);
+  auto& gate = *new CallGate;
+  std::latch is_inside(1);
+  std::thread([&] {
+    gate.call([&] {
+      is_inside.count_down();
+      for (;;) ::pause();
+    });
+  }).detach();
+  is_inside.wait();
+  std::thread([&] { gate.close(); }).detach();
+  // The second thread has closed the gate, and then waits as long as the process exists.
+  while (!gate.is_closed()) std::this_thread::yield();
+  std::exit(0);
+}
+
+TEST(GuardedCallDeathTest, AProgramEndsWhileAThreadWaitsForACallback) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  for (int round = 0; round < 5; ++round)
+    EXPECT_EXIT(end_while_a_gate_is_being_closed(), testing::ExitedWithCode(0), "");
+}
+
 }  // namespace
 }  // namespace sft::core

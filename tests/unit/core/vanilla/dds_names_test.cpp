@@ -1,4 +1,4 @@
-// Topics and types have the same names in DDS as those of nodes of ROS 2.
+// Topics and types of SFT have the names in DDS that nodes of ROS 2 would give them.
 #include "core/vanilla/dds_names.h"
 
 #include <gtest/gtest.h>

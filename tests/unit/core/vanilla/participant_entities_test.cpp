@@ -1,5 +1,5 @@
-// The message by which nodes of ROS 2 tell of each other is written and read in both of its sizes, and in no
-// other way.
+// The message by which nodes of ROS 2 announce themselves is written and read in both of its sizes. All
+// other bytes are refused.
 #include "core/vanilla/participant_entities.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// Readers and writers of ROS 2 have the names of their nodes, and forged messages about them take bounded
-// memory.
+// Readers and writers of ROS 2 get the names of their nodes. Forged messages about nodes use a limited
+// amount of memory.
 #include "core/vanilla/ros_nodes.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// The participant for unmodified nodes has the configuration that a ROS 2 node would have here.
+// The participant for unmodified nodes has the configuration that a ROS 2 node would have in the same
+// environment.
 #include "core/vanilla/vanilla_config.h"
 
 #include <gmock/gmock.h>

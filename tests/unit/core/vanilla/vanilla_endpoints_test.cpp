@@ -1,4 +1,4 @@
-// The endpoints of unmodified nodes that a participant of Cyclone DDS knows.
+// The list of endpoints of unmodified nodes that a participant of Cyclone DDS has discovered.
 #include "core/vanilla/vanilla_endpoints.h"
 
 #include <gtest/gtest.h>

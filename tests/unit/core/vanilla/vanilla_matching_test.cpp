@@ -1,5 +1,4 @@
-// For readers and writers of plain DDS that are not served or heard, the policy that does not fit is named in
-// words.
+// If a reader or writer of plain DDS cannot be matched, a text names the policy that does not fit.
 #include "core/vanilla/vanilla_matching.h"
 
 #include <gmock/gmock.h>

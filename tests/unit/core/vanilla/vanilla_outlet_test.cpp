@@ -1,4 +1,4 @@
-// A few samples for DDS readers can wait for the thread that writes them.
+// The queue of samples for DDS readers, from which a thread writes them, has a limited length.
 #include "core/vanilla/vanilla_outlet.h"
 
 #include <gmock/gmock.h>

@@ -135,6 +135,34 @@ TEST_F(ChunkQueueTest, AChunkThatIsDroppedIsFree) {
   EXPECT_EQ(queue_->left(), 1U);
 }
 
+TEST_F(ChunkQueueTest, AClosedQueueTellsTheBytesThatAreLeft) {
+  arrive(2);
+  EXPECT_EQ(queue_->bytes_left(), 0U) << "the queue is open";
+  ChunkSlot* const borrowed = queue_->take().slot;
+  arrive(1);
+  queue_->close();
+  arrive(1);
+  EXPECT_EQ(queue_->bytes_left(), 2U * chunk_bytes);
+  EXPECT_TRUE(queue_->drop_oldest());
+  EXPECT_EQ(queue_->bytes_left(), chunk_bytes);
+  ChunkSlot* const last = queue_->take().slot;
+  ASSERT_NE(last, nullptr);
+  EXPECT_EQ(queue_->bytes_left(), 0U);
+  queue_->give_back(*borrowed);
+  queue_->give_back(*last);
+  EXPECT_EQ(in_use(), 1U) << "the one that arrived too late";
+}
+
+TEST_F(ChunkQueueTest, WhatIsLeftInAClosedQueueCanBeTakenAfterTheSessionIsLost) {
+  arrive(2);
+  queue_->close();
+  queue_->lose(SessionMember::Loss::now);
+  EXPECT_EQ(queue_->left(), 2U);
+  EXPECT_EQ(queue_->bytes_left(), 2U * chunk_bytes);
+  EXPECT_EQ(take_all(), 2U);
+  EXPECT_TRUE(queue_->drained());
+}
+
 TEST_F(ChunkQueueTest, OnlySamplesThatArrivedBeforeTheSessionWasLostCanBeTaken) {
   arrive(2);
   ChunkSlot* const slot = queue_->take().slot;

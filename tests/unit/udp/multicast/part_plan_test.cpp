@@ -1,4 +1,4 @@
-// These tests check the plans for destinations that ask for parts of fields.
+// These tests check the plans for destinations that request parts of fields.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -64,6 +64,25 @@ TEST_F(InboxTest, KeepsNoMoreOfAllWritersThatWentThanOfOne) {
   EXPECT_EQ(inbox_.discarded(), 1997U);
 }
 
+TEST_F(InboxTest, KeepsNoMoreBytesOfAllWritersThatWentThanOfOne) {
+  Inbox inbox(100, nullptr, 2500);
+  const auto leaves = [&](core::EndpointId writer, std::uint32_t bytes) {
+    inbox.connect({writer});
+    core::SampleHandle sample = memory_->take(1000);
+    sample->header().writer = writer;
+    sample->header().sequence = writer;
+    sample->header().body_bytes = bytes;
+    inbox.deliver(std::move(sample));
+    inbox.disconnect(writer);
+  };
+  for (core::EndpointId writer = 1; writer <= 10; ++writer) leaves(writer, 1000);
+  EXPECT_EQ(inbox.discarded(), 8U);
+  leaves(11, 9000);
+  EXPECT_EQ(inbox.discarded(), 10U);
+  EXPECT_EQ(inbox.take()->header().sequence, 11U) << "one of any size";
+  EXPECT_FALSE(inbox.take());
+}
+
 TEST_F(InboxTest, LeavesTheQueuesOfConnectedWritersAlone) {
   inbox_.connect({1});
   inbox_.connect({2});

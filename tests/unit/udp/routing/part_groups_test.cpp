@@ -1,4 +1,4 @@
-// These tests check which readers that ask for parts of fields are put into multicast groups.
+// These tests check which readers that request parts of fields are put into multicast groups.
 #include "tests/support/eventually.h"
 #include "tests/unit/udp/routing/group_keeper_fixture.h"
 #include "udp_transport/routing/routes.h"

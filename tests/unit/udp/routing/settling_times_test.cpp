@@ -1,5 +1,5 @@
-// The time for which a destination counts as unsettled; settled_readers_test.cpp checks what follows for
-// groups.
+// The time for which a destination counts as unsettled. settled_readers_test.cpp tests the consequences for
+// multicast groups.
 #include "udp_transport/routing/settling_times.h"
 
 #include <gtest/gtest.h>

@@ -89,8 +89,8 @@ void swap_bytes(std::array<E, N>& values) {
   for (E& value : values) swap_bytes(value);
 }
 
-/// True for the type of a cell's value: an integer of 1 to 8 bytes, float or double, or a std::array of
-/// these.
+/// True if T can be the type of a cell: an integer of 1 to 8 bytes, float or double, or a std::array of
+/// these types.
 template <class T>
 inline constexpr bool is_cell = std::is_arithmetic_v<T> && !std::is_const_v<T> && !std::is_volatile_v<T> &&
                                 !std::same_as<T, bool> && sizeof(T) <= 8;
@@ -144,9 +144,9 @@ class Cells : public std::ranges::view_base {
     assert(row < rows() && column < columns());
     return reader_(grid_.at(row, column));
   }
-  /// Returns a row as a span if its cells are in memory like an array of Cell. Returns nothing in a part
-  /// with a step, in another byte order, and at unaligned addresses. Points never have such rows. REQUIRES:
-  /// row < rows().
+  /// Returns a row as a span if its cells are in memory like an array of Cell. Returns nothing if the cells
+  /// are a part with a step, have another byte order, or are at unaligned addresses. Points never have such
+  /// rows. REQUIRES: row < rows().
   std::optional<std::span<const Cell>> row(std::size_t row) const requires detail::is_cell<Cell> {
     assert(row < rows());
     if (empty()) return std::span<const Cell>();

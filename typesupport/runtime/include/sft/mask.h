@@ -348,7 +348,7 @@ struct Req {
   friend constexpr bool operator==(const Req&, const Req&) = default;
 };
 
-/// A set of leaves at run time. A default-constructed set is that of a type without leaves. All numbers of
+/// A set of leaves at run time. A default-constructed set belongs to a type without leaves. All numbers of
 /// leaves that are passed to it must be less than leaves().
 /// Larger than usual: it is a set with all of its operators.
 class FieldMask {

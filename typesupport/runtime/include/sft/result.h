@@ -44,9 +44,9 @@ struct Error {
 
 }  // namespace sft
 
-/// @cond not in the reference: Doxygen takes no specialization of a class that it does not know The
-/// exception that value() throws if there is an error. It is the exception of tl::expected with another
-/// what(): that of tl::expected returns the same text for all errors.
+/// @cond not in the reference: Doxygen takes no specialization of a class that it does not know.
+/// The exception that value() throws if there is an error. It is the exception of tl::expected with another
+/// what(), because that of tl::expected returns the same text for all errors.
 template <>
 class tl::bad_expected_access<sft::Error> : public std::exception {
  public:
@@ -67,16 +67,16 @@ class tl::bad_expected_access<sft::Error> : public std::exception {
 namespace sft {
 
 namespace detail {
-/// Makes a T, and is no Result itself.
+/// True if a T can be made from a U, and U is not a Result itself.
 template <class U, class T>
 concept ValueOf = std::is_constructible_v<T, U> && !requires {
   typename std::remove_cvref_t<U>::unexpected_type;
 };
 }  // namespace detail
 
-/// A T or an Error. It is a tl::expected, and has the interface of std::expected. But what tl::expected
-/// leaves undefined ends the program with a message: the value of a Result that has an error, and the error
-/// of one that has a value.
+/// A T or an Error. It is a tl::expected, and has the interface of std::expected. But a program that reads
+/// the value of a Result with an error, or the error of a Result with a value, ends with a message. With
+/// tl::expected, the behaviour would be undefined.
 ///
 /// Larger than usual: there is one function for each kind of reference to a Result.
 template <class T>
@@ -84,33 +84,33 @@ class Result : public tl::expected<T, Error> {
   using Base = tl::expected<T, Error>;
 
  public:
-  /// Has a value-initialized T.
+  /// Makes a Result with a value-initialized T.
   Result() = default;
-  /// Has the error, which is usually what fail() returns.
+  /// Makes a Result with this error, which is usually the result of fail().
   Result(tl::unexpected<Error> error) : Base(std::move(error)) {}
-  /// Has what the other one has.
+  /// Makes a Result with the value or the error of `other`.
   Result(Base other) : Base(std::move(other)) {}
-  /// Has what the other one has, whose value makes a T.
+  /// Makes a Result with the error of `other`, or with a T that is made from its value.
   template <detail::ValueOf<T> U>
   explicit(!std::is_convertible_v<U, T>) Result(tl::expected<U, Error> other)
       : Base(other ? Base(tl::in_place, *std::move(other)) : Base(tl::unexpect, std::move(other).error())) {}
-  /// Has a T that is made of the value.
+  /// Makes a Result with a T that is made from `value`.
   template <detail::ValueOf<T> U = T>
   explicit(!std::is_convertible_v<U, T>) Result(U&& value) : Base(tl::in_place, std::forward<U>(value)) {}
 
-  /// Returns the value. REQUIRES: there is one.
+  /// Returns the value. REQUIRES: there is a value.
   constexpr decltype(auto) operator*() const& { return need_value(), Base::operator*(); }
-  /// Gives access to the members of the value. REQUIRES: there is one.
+  /// Gives access to the members of the value. REQUIRES: there is a value.
   constexpr const T* operator->() const { return need_value(), Base::operator->(); }
-  /// Returns the error. REQUIRES: there is one.
+  /// Returns the error. REQUIRES: there is an error.
   constexpr const Error& error() const& { return need_error(), Base::error(); }
 
-  /// Returns what f makes of the value, which is a Result; or the error.
+  /// Returns f(value), which must be a Result, if there is a value. Otherwise returns the error.
   template <class F>
   constexpr auto and_then(F&& f) const& {
     return go_on(*this, std::forward<F>(f));
   }
-  /// Returns a Result with what f makes of the value; or the error.
+  /// Returns a Result with f(value) if there is a value. Otherwise returns the error.
   template <class F>
   constexpr auto transform(F&& f) const& {
     return checked(Base::transform(std::forward<F>(f)));
@@ -120,12 +120,12 @@ class Result : public tl::expected<T, Error> {
   constexpr auto map(F&& f) const& {
     return transform(std::forward<F>(f));
   }
-  /// Returns the value; or what f makes of the error, which is a Result.
+  /// Returns the value if there is a value. Otherwise returns f(error), which must be a Result.
   template <class F>
   constexpr Result or_else(F&& f) const& {
     return this->has_value() ? *this : Result(std::invoke(std::forward<F>(f), error()));
   }
-  /// Returns the value; or the error that f makes of the error.
+  /// Returns the value if there is a value. Otherwise returns the error f(error).
   template <class F>
   constexpr auto map_error(F&& f) const& {
     return checked(Base::map_error(std::forward<F>(f)));
@@ -211,7 +211,7 @@ class Result : public tl::expected<T, Error> {
   }
 };
 
-/// Makes the error that a function returns as its Result.
+/// Makes an error that a function can return as its Result of any type.
 inline tl::unexpected<Error> fail(Errc code, std::string message) {
   return tl::unexpected<Error>(Error{code, std::move(message)});
 }

@@ -102,9 +102,9 @@ class Selection {
 
   /// The gate decides which samples are sent. Changes are relative to the last sample that passed, as for
   /// ON_CHANGE in gNMI, whose heartbeat is `elapsed` here. The deadband is that of OPC UA part 4, section
-  /// 7.22.2, except that a deadband in percent refers to the former value. After a request, `changed`,
-  /// `nth` and `elapsed` hold until a sample has passed. `compare` is evaluated for each sample, including
-  /// the first sample.
+  /// 7.22.2, except that a deadband in percent refers to the former value. After a new request, `changed`,
+  /// `nth` and `elapsed` are true until a sample has passed. `compare` is evaluated for each sample,
+  /// including the first sample.
   struct Gate {
     std::vector<Condition> conditions{};  ///< all nodes of the tree; empty: every sample passes
     /// The minimum time between two samples; 0: there is no minimum.

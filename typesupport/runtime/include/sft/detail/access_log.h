@@ -17,7 +17,7 @@ namespace sft::detail {
 /// The difference between a sample with only some channels of its clouds and the published sample.
 struct ChannelsSent {
   Selection selection;  ///< its parts have the channels that were sent
-  FieldMask changed;    ///< the fields that differ: those with the points, and those that describe the points
+  FieldMask changed;    ///< fields whose values differ: the points, and the fields that describe them
 };
 
 /// The bits of 64 leaves that were read. There are two words, so that a getter needs only the bit in
@@ -35,8 +35,8 @@ class AccessLog {
     /// block.
     virtual void first_read(std::size_t leaf) noexcept = 0;
     /// Returns the number of a channel of the cloud that has its points in this leaf. The number is the
-    /// same in all samples. Returns nothing if channels of that leaf are not noted one by one, or not any
-    /// more.
+    /// same in all samples. Returns nothing if the channels of that leaf are not noted one by one, or are
+    /// no longer noted one by one.
     virtual std::optional<std::size_t> number_of_channel(std::size_t /*leaf*/,
                                                          std::string_view /*name*/) noexcept {
       return {};

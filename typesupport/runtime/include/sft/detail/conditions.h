@@ -25,7 +25,8 @@ class FieldSource {
   static FieldSource of_message(const void* message) {
     return {static_cast<const std::byte*>(message), nullptr};
   }
-  /// Makes the source of a message in another struct than that of the type of the conditions (struct_in.h).
+  /// Makes the source of a message that is in another struct than the generated struct of its type
+  /// (struct_in.h).
   static FieldSource of_other_struct(const Message& message) {
     return {static_cast<const std::byte*>(message.value), nullptr, &message.type};
   }
@@ -40,11 +41,12 @@ class FieldSource {
       : message_(message), sample_(sample), other_(other) {}
   const std::byte* message_;
   const SampleState* sample_;  ///< the encoded sample; null: message_ is used
-  const StructType* other_;    ///< where the fields are in message_, if not where Conditions::Field says
+  /// the places of the fields in message_; null: they are those of the generated struct
+  const StructType* other_;
 };
 
-/// The conditions of one gate, and the values in the last sample that passed that the conditions need. Not
-/// thread-safe.
+/// The conditions of one gate, and the values from the last sample that passed which these conditions need.
+/// Not thread-safe.
 class Conditions {
  public:
   using Condition = Selection::Condition;
@@ -59,8 +61,8 @@ class Conditions {
   Conditions(const StructType& type, std::vector<Condition> conditions);
 
   bool empty() const { return conditions_.empty(); }
-  /// Starts for a reader that knows no earlier sample. Until a sample has passed, all conditions about
-  /// earlier samples (`changed`, `every`) hold. A new object is in this state, too.
+  /// Starts anew for a reader that has received no earlier sample. Until a sample has passed, all
+  /// conditions about earlier samples (`changed`, `every`) hold. A new object is in this state, too.
   void begin() { begins_ = true; }
   /// Returns true until a sample has passed since begin().
   bool begins() const { return begins_; }

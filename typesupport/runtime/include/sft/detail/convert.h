@@ -19,7 +19,7 @@
 //   string of length 0, not even a NUL          accepted, and not changed
 //   delimiter that is not the exact length      refused
 //   padding between members                     any bytes; zeros if it is converted
-//   bytes behind the last member                as many as the last 2 bits of the encapsulation say, and up
+//   bytes after the last member                 as many as the last 2 bits of the encapsulation say, and up
 //                                               to 3 more: accepted and dropped
 //   address of the payload                      any
 #pragma once

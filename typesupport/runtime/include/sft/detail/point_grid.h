@@ -88,11 +88,14 @@ inline constexpr std::optional<CloudMembers> cloud_members = cloud_members_of(Ty
 /// A channel that a program requests.
 struct WantedChannel {
   std::string_view name;
-  std::uint8_t type;  ///< the number of the type in sensor_msgs/PointField; 0: any, find_points() replaces it
+  /// The number of the type in sensor_msgs/PointField; 0: any type is accepted, and find_points() sets the
+  /// type that it finds
+  std::uint8_t type;
   // The following members are set by find_points().
   std::uint32_t offset = 0;     ///< the offset in a point
   std::uint8_t found_type = 0;  ///< the type that was found; 0: the channel is missing
-  std::uint32_t count = 1;      ///< the elements that are read of each point; all, if any type is wanted
+  /// the number of elements that are read of each point: 1, or all elements if any type is accepted
+  std::uint32_t count = 1;
   bool is_found = false;
 };
 

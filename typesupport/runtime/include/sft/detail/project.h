@@ -89,6 +89,7 @@ class ProjectionPlan {
   void measure(Run& run) const;
   void add_all(const StructType& type);
   Change change_of(std::size_t leaf) const;
+  std::uint64_t bytes_of(const Step& step, const SampleState& source) const;
 
   FieldMask mask_;
   std::uint64_t parts_hash_ = 0;
@@ -96,6 +97,7 @@ class ProjectionPlan {
   std::vector<Step> steps_;
   std::vector<Block> blocks_;
   std::size_t next_slot_ = 0;  ///< the slot that follows the last block, while steps are added
+  std::size_t slots_ = 0;      ///< the number of index slots of the type
 };
 
 class Projection {

@@ -69,8 +69,8 @@ struct SequenceAccess {
 template <class E>
 struct EnumTable;
 
-/// Specialised for every generated type, with `static constexpr StructType type`. `members_in<S>` has the
-/// same members as they lie in another struct S (struct_in.h).
+/// Specialised for every generated type, with `static constexpr StructType type`. Its `members_in<S>`
+/// describes the same members at their places in another struct S (struct_in.h).
 template <class T>
 struct TypeTable;
 

@@ -170,7 +170,7 @@ struct RootOf<Req<T>> {
   using type = T;
 };
 
-/// The common base of both places: it says if a member can be read, and notes that it was read.
+/// The common base of both places: it determines whether a member can be read, and notes reads of members.
 template <auto R, class S, std::size_t Leaf>
 struct PlaceBase {
   using Root = typename RootOf<std::remove_const_t<decltype(R)>>::type;

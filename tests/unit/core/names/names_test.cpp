@@ -1,4 +1,4 @@
-#include "core/control/names.h"
+#include "core/names/names.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

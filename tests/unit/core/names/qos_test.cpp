@@ -1,5 +1,5 @@
 // All combinations of offered and requested QoS, and settings that are refused when an endpoint is opened.
-#include "core/control/qos.h"
+#include "core/names/qos.h"
 
 #include <gtest/gtest.h>
 

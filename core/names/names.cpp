@@ -1,8 +1,6 @@
-#include "core/control/names.h"
+#include "core/names/names.h"
 
 #include <algorithm>
-
-#include "core/control/control.h"
 
 namespace sft::core {
 

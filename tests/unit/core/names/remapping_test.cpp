@@ -1,5 +1,5 @@
 // Names of nodes and topics: namespaces, private names and remapping rules.
-#include "core/control/remapping.h"
+#include "core/names/remapping.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

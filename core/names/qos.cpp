@@ -1,4 +1,4 @@
-#include "core/control/qos.h"
+#include "core/names/qos.h"
 
 #include <cmath>
 

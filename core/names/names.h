@@ -5,11 +5,15 @@
 // an empty text if it is valid.
 #pragma once
 
+#include <cstddef>
 #include <string_view>
 
 #include "core/platform/quotes.h"
 
 namespace sft::core {
+
+/// The maximum size of a name of any kind in bytes.
+inline constexpr std::size_t name_bytes_max = 255;
 
 /// Checks a name of any kind, that another process has announced. The name must have up to name_bytes_max
 /// bytes of UTF-8, and no control characters.

@@ -1,10 +1,10 @@
-#include "core/control/remapping.h"
+#include "core/names/remapping.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <utility>
 
-#include "core/control/names.h"
+#include "core/names/names.h"
 
 namespace sft::core {
 
