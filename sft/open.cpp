@@ -27,10 +27,11 @@ constexpr std::size_t descriptors_of_a_node = 48;
 constexpr std::size_t threads_of_a_node = 16;
 
 NodeOptions with_defaults(const NodeOptions& options, std::uint32_t domain, NodeOptions::VanillaDds vanilla,
-                          const core::Remapping& names) {
+                          NodeOptions::DdsNames dds_names, const core::Remapping& names) {
   NodeOptions result = options;
   result.domain = domain;
   result.vanilla_dds = vanilla;
+  result.dds_names = dds_names;
   result.name = names.node();
   const char* config = std::getenv("CYCLONEDDS_URI");
   if (!result.cyclonedds_config) result.cyclonedds_config = config == nullptr ? "" : config;
@@ -109,11 +110,13 @@ Result<Node> Node::open(const NodeOptions& options) {
   if (!names) return tl::unexpected(names.error());
   const auto vanilla = core::vanilla_choice(options.vanilla_dds, std::getenv("SFT_VANILLA_DDS"));
   if (!vanilla) return tl::unexpected(vanilla.error());
+  const auto dds_names = core::dds_names_choice(options.dds_names, std::getenv("SFT_DDS_NAMES"));
+  if (!dds_names) return tl::unexpected(dds_names.error());
   Result<core::RosDiscovery> ros =
       core::ros_discovery(std::getenv("ROS_LOCALHOST_ONLY"), std::getenv("ROS_AUTOMATIC_DISCOVERY_RANGE"),
                           std::getenv("ROS_STATIC_PEERS"));
   if (!ros) return tl::unexpected(ros.error());
-  const NodeOptions resolved = with_defaults(options, *domain, *vanilla, *names);
+  const NodeOptions resolved = with_defaults(options, *domain, *vanilla, *dds_names, *names);
   core::NodeCore::Parts parts;
   parts.names = std::move(*names);
   parts.ros = std::move(*ros);

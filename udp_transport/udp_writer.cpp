@@ -56,7 +56,7 @@ UdpWriter::UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> sid
     : type_(*spec.type),
       max_blocking_(spec.max_blocking),
       side_(std::move(side)),
-      tally_(std::make_shared<WriterTally>(spec.max_bytes_per_s, spec.priority)),
+      tally_(std::make_shared<WriterTally>(spec.max_bytes_per_s, spec.priority, spec.resend_bytes)),
       jobs_(JobPool::make(side_->kept)),
       channels_(static_cast<std::uint32_t>(spec.id), tally_, side_->channels, side_->answer_port,
                 side_->kept),

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -158,7 +159,7 @@ int read_clouds_by_dds(Times& times) {
     dup2(ends[1], STDOUT_FILENO);
     close(ends[0]);
     _exit(execute("vanilla_reader",
-                  {std::to_string(station_domain), "rt/points", "reliable", "volatile", "10"}));
+                  {std::to_string(station_domain), "rt/points", "reliable", "volatile", "10", "plain"}));
   }
   close(ends[1]);
   note_clouds(ends[0], times);
@@ -201,6 +202,11 @@ std::pair<Span, Span> watch(const Board& board, double seconds) {
   return {{clouds, board.clouds.sent + 1}, {small, board.small.sent + 1}};
 }
 
+[[noreturn]] void fail_without_samples(const char* topic) {
+  std::fprintf(stderr, "no sample of \"%s\" came to the station by the bridges within 20 s\n", topic);
+  std::exit(1);
+}
+
 }  // namespace
 
 std::vector<Figure> bridge_carrying(const BridgeScale& scale) {
@@ -218,7 +224,8 @@ std::vector<Figure> bridge_carrying(const BridgeScale& scale) {
     add_local(board->clouds, watch(*board, scale.seconds).first, alone.local_us);
     const Bridges bridges(radio);
     const std::uint32_t clouds = board->clouds.sent, small = board->small.sent;
-    wait_until([&] { return board->clouds.received > clouds && board->small.received > small; });
+    if (!wait_until([&] { return board->clouds.received > clouds && board->small.received > small; }))
+      fail_without_samples(board->clouds.received > clouds ? "small" : "points");
     const auto [of_clouds, of_small] = watch(*board, scale.seconds);
     sleep_us(straggling_us);
     add_local(board->clouds, of_clouds, beside.local_us);

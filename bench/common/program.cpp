@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <iterator>
 #include <utility>
 
@@ -43,7 +44,10 @@ int Program::run() {
   for (const Group& group : groups_) {
     if (!is_chosen(group)) continue;
     fmt::print(stderr, "measuring {} ...\n", group.name);
+    const auto begin = std::chrono::steady_clock::now();
     std::ranges::move(group.measure(), std::back_inserter(figures));
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+    fmt::print(stderr, "{} took {:.0f} s\n", group.name, took.count());
   }
   if (has_table_) print_table(figures);
   print_missed_bounds(figures);

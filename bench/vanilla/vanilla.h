@@ -11,13 +11,13 @@ namespace sft::bench {
 
 struct VanillaScale {
   int rounds = 3;              ///< rounds of each program, in turns; the median is used
-  std::uint64_t samples = 60;  ///< number of samples per round and program
-  int starts = 15;             ///< number of starts of readers, for each program
-  double idle_s = 30;          ///< the time in which idle nodes are measured
+  std::uint64_t samples = 40;  ///< number of samples per round and program
+  int starts = 10;             ///< number of starts of readers, for each program
+  double idle_s = 20;          ///< the time in which idle nodes are measured
 };
 
-/// Measures the processor time of a program that publishes to a vanilla reader on another host, compared
-/// with a program that writes the same struct by Cyclone DDS.
+/// Measures the processor time of a program that publishes to a vanilla reader on another host, by loans
+/// and by structs, compared with a program that writes the same struct by Cyclone DDS.
 std::vector<Figure> vanilla_write(const VanillaScale& scale);
 /// Measures the processor time of a program that subscribes to a vanilla writer on another host, compared
 /// with a vanilla reader. Counts the copies of a message that exist for two subscribers of one program.

@@ -163,6 +163,8 @@ std::vector<std::string> options_without_effect(const PublisherOptions& options,
     sentences.push_back(has_no_effect("PublisherOptions::asynchronous", "the publisher does not use UDP"));
   if (options.max_bytes_per_s != 0 && !udp)
     sentences.push_back(has_no_effect("PublisherOptions::max_bytes_per_s", "the publisher does not use UDP"));
+  if (options.resend_bytes != PublisherOptions{}.resend_bytes && !udp)
+    sentences.push_back(has_no_effect("PublisherOptions::resend_bytes", "the publisher does not use UDP"));
   return sentences;
 }
 

@@ -178,6 +178,7 @@ Result<std::shared_ptr<NetworkWriter>> EndpointOpening::open_network(
                                           .type = &type,
                                           .max_blocking = options.max_blocking,
                                           .max_bytes_per_s = options.max_bytes_per_s,
+                                          .resend_bytes = options.resend_bytes,
                                           .priority = options.priority,
                                           .asynchronous = options.asynchronous,
                                           .book = std::move(book)});

@@ -53,6 +53,7 @@ VanillaAccess::Setup vanilla_setup(const NodeOptions& options, const RosDiscover
           .plan = {.domain = options.domain.value_or(0),
                    .user_config = options.cyclonedds_config.value_or(""),
                    .ros = ros,
+                   .names = options.dds_names.value_or(DdsNames::ros2),
                    .threads = options.threads.discovery,
                    .guid_bytes = guid_bytes_of(ros_distro)},
           .node = options.name,

@@ -39,7 +39,7 @@ bool VanillaAccess::look(const Discovery::Vanilla& heard, bool is_needed, Time n
 }
 
 bool VanillaAccess::knows_writer(EndpointId id, const std::string& topic) const {
-  return writers_ != nullptr && std::ranges::any_of(writers_->of(dds_topic(topic)),
+  return writers_ != nullptr && std::ranges::any_of(writers_->of(dds_topic(topic, names())),
                                                     [id](const auto& writer) { return writer.id == id; });
 }
 
@@ -61,7 +61,8 @@ VanillaView VanillaAccess::view() const {
                    .writers = writers_->all(),
                    .participants = domain_->participants(),
                    .of_sft = domain_->readers().of_sft(),
-                   .unanswered = writers_->unanswered()};
+                   .unanswered = writers_->unanswered(),
+                   .names = names()};
   view.of_sft.merge(writers_->of_sft());
   for (auto* endpoints : {&view.readers, &view.writers})
     for (VanillaEndpoints::OfTopic& one : *endpoints)

@@ -72,6 +72,7 @@ class VanillaAccess {
   /// Shows the node with these endpoints in the graph.
   void show_endpoints();
   const Setup& setup() const { return setup_; }
+  DdsNames names() const { return setup_.plan.names; }
 
  private:
   bool is_wanted(const Discovery::Vanilla& heard, Time now);

@@ -20,4 +20,15 @@ Result<NodeOptions::VanillaDds> vanilla_choice(std::optional<NodeOptions::Vanill
                                           ", which is none of auto, always, never");
 }
 
+Result<NodeOptions::DdsNames> dds_names_choice(std::optional<NodeOptions::DdsNames> program,
+                                               const char* environment) {
+  using enum NodeOptions::DdsNames;
+  if (program) return *program;
+  const std::string_view text = environment == nullptr ? "" : environment;
+  if (text.empty() || text == "ros2") return ros2;
+  if (text == "plain") return plain;
+  return fail(Errc::invalid_argument, "the environment variable SFT_DDS_NAMES is " +
+                                          in_quotes(std::string(text)) + ", which is neither ros2 nor plain");
+}
+
 }  // namespace sft::core

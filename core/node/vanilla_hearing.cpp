@@ -71,13 +71,14 @@ void VanillaHearing::look_at_writers() {
   }
   if (const std::uint64_t now = known->changes(); std::exchange(changes_, now) == now) return;
   const SubscriberCore::Spec& spec = core_.spec();
-  const std::string type_name = dds_type(spec.type->name());
+  const DdsNames names = node_.vanilla->names();
+  const std::string type_name = dds_type(spec.type->name(), names);
   const std::string type_hash = ros_type_hash(spec.type->type()).value_or("");
   const Qos requested = requested_from_vanilla(feed_.spec().qos);
   writers_.clear();
   std::vector<EndpointId> present;
   std::set<std::string> unheard;
-  for (VanillaEndpoint& writer : known->of(dds_topic(spec.topic))) {
+  for (VanillaEndpoint& writer : known->of(dds_topic(spec.topic, names))) {
     if (writers_.size() == writers_per_reader_max) break;
     std::string why_not = why_not_heard(type_name, type_hash, requested, writer);
     if (!why_not.empty() && unheard.size() < reasons_max && unheard.insert(why_not).second &&
@@ -104,6 +105,7 @@ void VanillaHearing::open_reader(bool hears, Time now) {
       node_.vanilla->domain(),
       {.id = feed_.spec().id,
        .topic = spec.topic,
+       .names = node_.vanilla->names(),
        .reading = {.type = spec.type, .type_owner = spec.type_owner, .memory = spec.copies},
        .qos = feed_.spec().qos,
        .hears = hears,

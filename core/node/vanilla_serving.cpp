@@ -64,6 +64,7 @@ void VanillaServing::open_writer(Time now) {
   Result<std::shared_ptr<VanillaWriter>> writer = VanillaWriter::open(
       node_.vanilla->domain(), {.id = core_.spec().id,
                                 .topic = core_.spec().topic,
+                                .names = node_.vanilla->names(),
                                 .type = &core_.type(),
                                 .qos = core_.spec().qos,
                                 .max_sample_bytes = core_.spec().max_sample_bytes,

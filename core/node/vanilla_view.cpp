@@ -29,8 +29,8 @@ const std::string& node_of(const VanillaEndpoint& endpoint) {
 
 /// Returns the name of the topic in SFT, or nothing if nodes of SFT cannot have such a topic or type. This
 /// is the only check of the names that DDS announces, which are shown to users.
-std::optional<std::string> topic_of(const VanillaEndpoints::OfTopic& one) {
-  std::optional<std::string> topic = topic_of_dds(one.topic);
+std::optional<std::string> topic_of(const VanillaEndpoints::OfTopic& one, DdsNames names) {
+  std::optional<std::string> topic = topic_of_dds(one.topic, names);
   const bool is_sound =
       topic && fault_of_announced_topic(*topic).empty() && fault_of_name(one.endpoint.type_name).empty();
   return is_sound ? topic : std::nullopt;
@@ -38,18 +38,18 @@ std::optional<std::string> topic_of(const VanillaEndpoints::OfTopic& one) {
 
 std::string if_sound(const std::string& text) { return fault_of_name(text).empty() ? text : ""; }
 
-EndpointInfo vanilla_info_of(const VanillaEndpoint& endpoint, const std::string& dds_name,
-                             std::string topic) {
+EndpointInfo vanilla_info_of(const VanillaEndpoints::OfTopic& one, std::string topic, DdsNames names) {
+  const VanillaEndpoint& endpoint = one.endpoint;
   detail::Fnv1a node;
   node.add(endpoint.participant);
   EndpointInfo info{.id = endpoint.id,
                     .node_id = node.value(),
                     .node = node_of(endpoint),
                     .topic = std::move(topic),
-                    .type_name = type_of_dds(endpoint.type_name),
+                    .type_name = type_of_dds(endpoint.type_name, names),
                     .qos = endpoint.qos,
                     .dds = DomainSnapshot::Dds{.guid = endpoint.guid,
-                                               .topic = dds_name,
+                                               .topic = one.topic,
                                                .type_name = endpoint.type_name,
                                                .type_hash = endpoint.type_hash}};
   info.qos.history_depth = 0;
@@ -72,8 +72,8 @@ std::string not_connected(const std::string& whose, const char* what) {
 /// Returns the state of a publisher of SFT and a reader of DDS, by the rules of the publisher's node.
 DomainSnapshot::Pair pair_of(const EndpointInfo& publisher, const VanillaEndpoint& reader,
                              const VanillaView& view) {
-  const std::string why_not =
-      why_not_served(dds_type(publisher.type_name), offered_to_vanilla(publisher.qos), reader);
+  const std::string type_name = dds_type(publisher.type_name, view.names);
+  const std::string why_not = why_not_served(type_name, offered_to_vanilla(publisher.qos), reader);
   DomainSnapshot::Pair pair{.publisher = publisher.id, .subscriber = reader.id, .dds_subscriber = true};
   pair.matched = why_not.empty();
   pair.connected = pair.matched && view.of_sft.contains(publisher.id);
@@ -85,7 +85,7 @@ DomainSnapshot::Pair pair_of(const EndpointInfo& publisher, const VanillaEndpoin
         "too slow, or a firewall drops its answers";
   }
   if (!pair.connected) pair.reason = pair.matched ? not_connected("publisher", "writer") : why_not;
-  pair.incompatible_type = reader.type_name != dds_type(publisher.type_name);
+  pair.incompatible_type = reader.type_name != type_name;
   pair.incompatible_policy = conflict_between(offered_to_vanilla(publisher.qos), reader.qos).policy;
   const std::string other = difference_of_hashes(hash_of(publisher, reader), "publisher", reader);
   if (!other.empty()) pair.reason += "; " + other + ", so it misreads what it gets";
@@ -94,13 +94,14 @@ DomainSnapshot::Pair pair_of(const EndpointInfo& publisher, const VanillaEndpoin
 
 /// Returns the state of a writer of DDS and a subscriber of SFT, by the rules of the subscriber's node.
 DomainSnapshot::Pair pair_of(const VanillaEndpoint& writer, const EndpointInfo& subscriber,
-                             const std::set<EndpointId>& of_sft) {
-  const std::string type_name = dds_type(subscriber.type_name), type_hash = hash_of(subscriber, writer);
+                             const VanillaView& view) {
+  const std::string type_name = dds_type(subscriber.type_name, view.names),
+                    type_hash = hash_of(subscriber, writer);
   const Qos requested = requested_from_vanilla(subscriber.qos);
   const std::string why_not = why_not_heard(type_name, type_hash, requested, writer);
   DomainSnapshot::Pair pair{.publisher = writer.id, .subscriber = subscriber.id, .dds_publisher = true};
   pair.matched = why_not.empty();
-  pair.connected = pair.matched && of_sft.contains(subscriber.id);
+  pair.connected = pair.matched && view.of_sft.contains(subscriber.id);
   pair.reason =
       "it knows nothing of SFT, and sends whole messages; fields, conditions and rates are applied at the "
       "subscriber";
@@ -140,21 +141,19 @@ void add_vanilla(DomainSnapshot& snapshot, const VanillaView& view, const PairAc
     snapshot.pairs.push_back(std::move(pair));
   };
   for (const VanillaEndpoints::OfTopic& one : view.writers) {
-    const std::optional<std::string> topic = topic_of(one);
+    const std::optional<std::string> topic = topic_of(one, view.names);
     if (!topic) continue;
-    const VanillaEndpoint& writer = one.endpoint;
-    publishers.push_back(vanilla_info_of(writer, one.topic, *topic));
+    publishers.push_back(vanilla_info_of(one, *topic, view.names));
     for (const EndpointInfo& subscriber : snapshot.subscribers)
-      if (subscriber.topic == *topic) add(pair_of(writer, subscriber, view.of_sft));
+      if (subscriber.topic == *topic) add(pair_of(one.endpoint, subscriber, view));
   }
   for (const VanillaEndpoints::OfTopic& one : view.readers) {
-    const std::optional<std::string> topic = topic_of(one);
+    const std::optional<std::string> topic = topic_of(one, view.names);
     if (!topic) continue;
-    const VanillaEndpoint& reader = one.endpoint;
-    subscribers.push_back(vanilla_info_of(reader, one.topic, *topic));
+    subscribers.push_back(vanilla_info_of(one, *topic, view.names));
     subscribers.back().fields = "*";
     for (const EndpointInfo& publisher : snapshot.publishers)
-      if (publisher.topic == *topic) add(pair_of(publisher, reader, view));
+      if (publisher.topic == *topic) add(pair_of(publisher, one.endpoint, view));
   }
   std::ranges::move(publishers, std::back_inserter(snapshot.publishers));
   std::ranges::move(subscribers, std::back_inserter(snapshot.subscribers));

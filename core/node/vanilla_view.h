@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/control/control.h"
+#include "core/vanilla/dds_names.h"
 #include "core/vanilla/vanilla_domain.h"
 #include "core/vanilla/vanilla_endpoints.h"
 #include "sft/domain.h"
@@ -18,6 +19,7 @@ struct VanillaView {
   std::set<EndpointId> of_sft{};  ///< publishers and subscribers of SFT that have a DDS endpoint
   /// Publishers of SFT with a DDS reader that does not acknowledge samples
   std::set<EndpointId> unanswered{};
+  DdsNames names{};  ///< the names of topics and types
 };
 
 /// Adds the unmodified endpoints, and their pairs with the publishers and subscribers of the snapshot.

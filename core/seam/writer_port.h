@@ -49,7 +49,8 @@ struct WriterSpec {
   std::chrono::nanoseconds max_blocking{0};
   std::uint64_t max_bytes_per_s = 0;  ///< the maximum rate over the network in bytes per second, for all
                                       ///< readers together; 0: no limit
-  std::int8_t priority = 0;           ///< PublisherOptions::priority
+  std::size_t resend_bytes = std::size_t{64} << 20;  ///< PublisherOptions::resend_bytes
+  std::int8_t priority = 0;                          ///< PublisherOptions::priority
   bool asynchronous = false;          ///< PublisherOptions::asynchronous
   /// The book in which a NetworkWriter counts sent and lost samples, on the pages of
   /// DeliveryBook::Origin::network. Null: the counts are not needed.

@@ -10,23 +10,27 @@ constexpr std::string_view topic_prefix = "rt/";
 constexpr std::string_view dds_namespace = "dds_::";
 }  // namespace
 
-std::string dds_topic(std::string_view topic) {
+std::string dds_topic(std::string_view topic, DdsNames names) {
+  if (names == DdsNames::plain) return std::string(without_slash(topic));
   return std::string(topic_prefix) + std::string(without_slash(topic));
 }
 
-std::string dds_type(std::string_view type) {
+std::string dds_type(std::string_view type, DdsNames names) {
+  if (names == DdsNames::plain) return std::string(type);
   const std::size_t last = type.rfind(between);
   const std::size_t name = last == std::string_view::npos ? 0 : last + between.size();
   return std::string(type.substr(0, name)) + std::string(dds_namespace) + std::string(type.substr(name)) +
          "_";
 }
 
-std::optional<std::string> topic_of_dds(std::string_view topic) {
+std::optional<std::string> topic_of_dds(std::string_view topic, DdsNames names) {
+  if (names == DdsNames::plain) return std::string(topic);
   if (!topic.starts_with(topic_prefix) || topic.size() == topic_prefix.size()) return std::nullopt;
   return std::string(topic.substr(topic_prefix.size()));
 }
 
-std::string type_of_dds(std::string_view type) {
+std::string type_of_dds(std::string_view type, DdsNames names) {
+  if (names == DdsNames::plain) return std::string(type);
   const std::size_t at = type.rfind(dds_namespace);
   if (at == std::string_view::npos || !type.ends_with('_')) return std::string(type);
   const std::string_view name = type.substr(at + dds_namespace.size());

@@ -1,21 +1,25 @@
-// The names in DDS of topics and types of ROS 2. Pure functions.
+// The names in DDS of topics and types: those of ROS 2, or plain ones. Pure functions.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "sft/options.h"
+
 namespace sft::core {
 
+using DdsNames = NodeOptions::DdsNames;
+
 /// Returns "rt/left/points" for "left/points".
-std::string dds_topic(std::string_view topic);
+std::string dds_topic(std::string_view topic, DdsNames names = DdsNames::ros2);
 /// Returns "sensor_msgs::msg::dds_::Imu_" for "sensor_msgs::msg::Imu".
-std::string dds_type(std::string_view type);
+std::string dds_type(std::string_view type, DdsNames names = DdsNames::ros2);
 /// Returns "left/points" for "rt/left/points", and nothing for names of another form.
-std::optional<std::string> topic_of_dds(std::string_view topic);
+std::optional<std::string> topic_of_dds(std::string_view topic, DdsNames names = DdsNames::ros2);
 /// Returns "sensor_msgs::msg::Imu" for "sensor_msgs::msg::dds_::Imu_". Names of another form are returned
 /// as they are.
-std::string type_of_dds(std::string_view type);
+std::string type_of_dds(std::string_view type, DdsNames names = DdsNames::ros2);
 /// Returns "sensor_msgs/msg/Imu" for "sensor_msgs::msg::Imu".
 std::string ros_type_name(std::string_view type);
 

@@ -23,8 +23,10 @@ std::string settings_of_ros(const RosDiscovery& ros) {
 }  // namespace
 
 /// Multicasts of samples would reach the ports of all links of this network. Bursts of large samples overrun
-/// small receive buffers, since DDS writers do not pace them. The one setting that SFT cannot
-/// do without concerns the runtime of iceoryx, of which a process has one.
+/// small receive buffers, since DDS writers do not pace them. A participant that joins asks those that were
+/// there before for their endpoints, after PreEmptiveAckDelay: sooner than usual, but not before they know
+/// this participant, since Cyclone would ask again only 100 ms later. The one setting that SFT cannot do
+/// without concerns the runtime of iceoryx, of which a process has one.
 Result<VanillaConfig> vanilla_config(std::uint32_t domain, const std::string& user_config,
                                      const RosDiscovery& ros) {
   const Result<CycloneSettings> user = CycloneSettings::read(user_config, domain);
@@ -32,7 +34,8 @@ Result<VanillaConfig> vanilla_config(std::uint32_t domain, const std::string& us
   const std::string users = user->for_any_domain({domain_number_path});
   constexpr std::string_view ours =
       "<General><AllowMulticast>spdp</></><Sizing><ReceiveBufferSize>256 KiB</></>"
-      "<Internal><SocketReceiveBufferSize min=\"default\" max=\"4MB\"/><WriterLingerDuration>0 s</></>";
+      "<Internal><SocketReceiveBufferSize min=\"default\" max=\"4MB\"/><WriterLingerDuration>0 s</>"
+      "<PreEmptiveAckDelay>3 ms</></>";
   const std::string insisted =
       xml_element("SharedMemory", xml_element("Enable", "false")) +
       xml_element("Discovery", xml_element("ExternalDomainId", user->domain_on_wire()));

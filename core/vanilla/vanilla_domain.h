@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/vanilla/dds_names.h"
 #include "core/vanilla/ros_discovery.h"
 #include "core/vanilla/ros_graph.h"
 #include "core/vanilla/vanilla_endpoints.h"
@@ -25,6 +26,7 @@ struct VanillaPlan {
   std::uint32_t domain = 0;
   std::string user_config{};  ///< XML texts or names of files
   RosDiscovery ros{};         ///< the settings in the environment; `user_config` overrides them
+  DdsNames names{};           ///< the names of topics and types
   ThreadSettings threads{};   ///< the settings of Cyclone's threads
   /// The size of GUIDs in the graph of ROS 2, if the environment names a distribution.
   std::optional<GuidBytes> guid_bytes{};

@@ -43,7 +43,7 @@ DdsQos qos_of(const Qos& requested, const std::string& user_data, bool hears) {
 VanillaReader::VanillaReader(std::shared_ptr<VanillaDomain> domain, Spec spec)
     : domain_(std::move(domain)),
       spec_(std::move(spec)),
-      type_name_(dds_type(spec_.reading.type->name())),
+      type_name_(dds_type(spec_.reading.type->name(), spec_.names)),
       type_hash_(ros_type_hash(spec_.reading.type->type()).value_or("")) {}
 
 Result<std::unique_ptr<VanillaReader>> VanillaReader::open(std::shared_ptr<VanillaDomain> domain, Spec spec) {
@@ -54,7 +54,7 @@ Result<std::unique_ptr<VanillaReader>> VanillaReader::open(std::shared_ptr<Vanil
 
 Result<void> VanillaReader::open() {
   const CycloneMessages messages;
-  const std::string name = dds_topic(spec_.topic);
+  const std::string name = dds_topic(spec_.topic, spec_.names);
   const auto refused = [&](dds_return_t status) {
     return fail(Errc::system, "DDS topic " + in_quotes(name) + " of type " + in_quotes(type_name_) + ": " +
                                   dds_strretcode(status) + " (" + messages.text() + ")");

@@ -30,6 +30,7 @@ class VanillaReader {
   struct Spec {
     EndpointId id = 0;     ///< the id of the subscriber's selection
     std::string topic{};   ///< the name in SFT
+    DdsNames names{};      ///< the names of topic and type
     RawReading reading{};  ///< the type and the memory for samples
     Qos qos{};             ///< the QoS that the subscriber requests
     /// False: the reader is in a separate partition, in which there are no writers, and reads nothing.

@@ -53,7 +53,7 @@ DdsQos qos_of(const VanillaWriter::Spec& spec, const std::string& user_data) {
 VanillaWriter::VanillaWriter(std::shared_ptr<VanillaDomain> domain, Spec spec)
     : domain_(std::move(domain)),
       spec_(std::move(spec)),
-      type_name_(dds_type(spec_.type->name())),
+      type_name_(dds_type(spec_.type->name(), spec_.names)),
       type_hash_(ros_type_hash(spec_.type->type()).value_or("")) {}
 
 Result<std::shared_ptr<VanillaWriter>> VanillaWriter::open(std::shared_ptr<VanillaDomain> domain, Spec spec) {
@@ -64,7 +64,7 @@ Result<std::shared_ptr<VanillaWriter>> VanillaWriter::open(std::shared_ptr<Vanil
 
 Result<void> VanillaWriter::open() {
   const CycloneMessages messages;
-  const std::string name = dds_topic(spec_.topic);
+  const std::string name = dds_topic(spec_.topic, spec_.names);
   const auto refused = [&](dds_return_t status) {
     return fail(Errc::system, "DDS topic " + in_quotes(name) + " of type " + in_quotes(type_name_) + ": " +
                                   dds_strretcode(status) + " (" + messages.text() + ")");
@@ -103,7 +103,7 @@ std::size_t VanillaWriter::readers() const {
 std::set<std::string> VanillaWriter::complaints() const {
   const Qos offered = offered_to_vanilla(spec_.qos);
   std::set<std::string> complaints;
-  for (const VanillaEndpoint& reader : domain_->readers().of(dds_topic(spec_.topic))) {
+  for (const VanillaEndpoint& reader : domain_->readers().of(dds_topic(spec_.topic, spec_.names))) {
     if (complaints.size() == complaints_max) break;
     const std::string why_not = why_not_served(type_name_, offered, reader);
     const std::string other = difference_of_hashes(type_hash_, "publisher", reader);

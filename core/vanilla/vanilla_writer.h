@@ -24,6 +24,7 @@ class VanillaWriter {
   struct Spec {
     EndpointId id = 0;                  ///< the id of the publisher
     std::string topic{};                ///< the name in SFT
+    DdsNames names{};                   ///< the names of topic and type
     const TypeSupport* type = nullptr;  ///< must outlive the writer
     Qos qos{};                          ///< the QoS of the publisher
     std::size_t max_sample_bytes = 0;

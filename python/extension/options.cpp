@@ -59,6 +59,7 @@ PublisherOptions publisher_options(const py::dict& given) {
   keywords.take("max_blocking", options.max_blocking);
   keywords.take("max_sample_bytes", options.max_sample_bytes);
   keywords.take("max_bytes_per_s", options.max_bytes_per_s);
+  keywords.take("resend_bytes", options.resend_bytes);
   keywords.take("asynchronous", options.asynchronous);
   keywords.take_transport(options.transport);
   keywords.refuse_others("publisher");

@@ -180,6 +180,7 @@ class Node:
         max_blocking: float = 0,
         max_sample_bytes: int = ...,
         max_bytes_per_s: int = 0,
+        resend_bytes: int = ...,
         asynchronous: bool = False,
         transport: str = "automatic",
     ) -> Publisher: ...

@@ -152,7 +152,8 @@ class Node:
         """Opens a publisher. `type` is an sft.Type or its name. None: the type that other nodes have announced.
 
         Options: reliable, transient_local, history_depth, deadline [s], lifespan [s], max_blocking [s],
-        manual_liveliness, liveliness_lease [s], max_sample_bytes, max_bytes_per_s, asynchronous, transport.
+        manual_liveliness, liveliness_lease [s], max_sample_bytes, max_bytes_per_s, resend_bytes,
+        asynchronous, transport.
         """
         with self._callback(on_event) as to:
             opened = self._node.publisher(topic, self._type(topic, type)._whole, options, to)

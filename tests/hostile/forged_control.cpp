@@ -48,9 +48,10 @@ struct ForgedControl::Link {
   test::ControlParticipant participant;
 };
 
-ForgedControl::ForgedControl(core::ProcessId process) : own_(process, core::Timing{}) {
+ForgedControl::ForgedControl(core::ProcessId process, const std::vector<std::string>& interfaces)
+    : own_(process, core::Timing{}) {
   static dds_domainid_t domain = 0;
-  for (const char* interface : {"lo", "eth0"})
+  for (const std::string& interface : interfaces)
     links_.push_back(std::make_unique<Link>(++domain, interface, process));
 }
 

@@ -23,9 +23,11 @@ namespace sft::hostile {
 
 class ForgedControl {
  public:
-  /// Joins the domain of the honest nodes as a process with this id. If the id is 0, the object only
-  /// listens, and other nodes do not recognize it as a process. Throws if there is no network.
-  explicit ForgedControl(core::ProcessId process = 0);
+  /// Joins the domain of the honest nodes, 0, as a process with this id, on these interfaces. If the id is
+  /// 0, the object only listens, and other nodes do not recognize it as a process. Throws if there is no
+  /// network.
+  explicit ForgedControl(core::ProcessId process = 0,
+                         const std::vector<std::string>& interfaces = {"lo", "eth0"});
   ~ForgedControl();
   ForgedControl(const ForgedControl&) = delete;
   ForgedControl& operator=(const ForgedControl&) = delete;

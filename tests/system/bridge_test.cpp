@@ -73,6 +73,20 @@ class BridgeOfHostsTest : public VanillaTest {
     options.vanilla_dds = VanillaDds::never;
     return Node::open(options).value();
   }
+  /// Options of a node at the other end of the link. The hosts have one memory, which that node does not use.
+  static NodeOptions behind_link(const char* name) {
+    NodeOptions options{.name = name, .domain = 33};
+    options.transport = TransportChoice::udp;
+    options.vanilla_dds = VanillaDds::never;
+    return options;
+  }
+  template <class... Words>
+  static std::vector<std::string> into_link(Words... words) {
+    return {"--from", "31", "--from-dds", "never", "--to", "33", "--to-dds", "never", words...};
+  }
+  void set_link(const char* state) {
+    ASSERT_TRUE(network_.run_on_switch({"ip", "link", "set", network_.port(1), state}));
+  }
   static std::uint32_t number_of(const VanillaReader::Sample& cloud) {
     std::uint32_t number = 0;
     if (!cloud.body.empty()) std::memcpy(&number, cloud.body.data(), sizeof number);
@@ -80,19 +94,28 @@ class BridgeOfHostsTest : public VanillaTest {
   }
 };
 
-TEST_F(BridgeOfHostsTest, CloudsOfAnUnmodifiedWriterReachAnUnmodifiedReaderBehindTwoBridges) {
-  use_domain("31");
-  VanillaWriter writer(network_.host(0), {.kind = "points"});
-  use_domain("32");
-  VanillaReader reader(network_.host(1), {});
-  BridgeProcess robot(network_.host(0), rules_of_robot());
-  BridgeProcess station(network_.host(1), rules_of_station());
-  ASSERT_TRUE(writer.matches(1) && reader.matches(1));
+/// An unmodified writer at the robot and an unmodified reader at the station, and a bridge on each host.
+class TwoBridgesTest : public BridgeOfHostsTest {
+ protected:
+  template <class How>
+  static How in(const char* domain, const How& how) {
+    use_domain(domain);
+    return how;
+  }
+
+  VanillaWriter writer_{network_.host(0), in("31", VanillaWriter::How{.kind = "points"})};
+  VanillaReader reader_{network_.host(1), in("32", VanillaReader::How{})};
+  BridgeProcess robot_{network_.host(0), rules_of_robot()};
+  BridgeProcess station_{network_.host(1), rules_of_station()};
+};
+
+TEST_F(TwoBridgesTest, CloudsOfAnUnmodifiedWriterReachAnUnmodifiedReaderBehindTwoBridges) {
+  ASSERT_TRUE(writer_.matches(1) && reader_.matches(1));
   std::uint32_t number = 0;
   std::optional<Ticker> ticker(std::in_place, 50ms,
-                               [&](std::uint32_t) { writer.write_cloud(++number, points); });
+                               [&](std::uint32_t) { writer_.write_cloud(++number, points); });
   for (int i = 0; i < 5; ++i) {
-    const auto sample = reader.take();
+    const auto sample = reader_.take();
     ASSERT_FALSE(sample.body.empty());
     const auto sent = xyz_cloud(static_cast<std::uint32_t>(sample.body[0]));
     auto expected = sent;
@@ -104,17 +127,11 @@ TEST_F(BridgeOfHostsTest, CloudsOfAnUnmodifiedWriterReachAnUnmodifiedReaderBehin
     EXPECT_EQ(sample.body, body_of(expected));
   }
   ticker.reset();
-  EXPECT_EQ(robot.end(), 0);
-  EXPECT_EQ(station.end(), 0);
+  EXPECT_EQ(robot_.end(), 0);
+  EXPECT_EQ(station_.end(), 0);
 }
 
-TEST_F(BridgeOfHostsTest, CloudsFlowAgainAfterAnOutageOfMoreThanALease) {
-  use_domain("31");
-  VanillaWriter writer(network_.host(0), {.kind = "points"});
-  use_domain("32");
-  VanillaReader reader(network_.host(1), {});
-  BridgeProcess robot(network_.host(0), rules_of_robot());
-  BridgeProcess station(network_.host(1), rules_of_station());
+TEST_F(TwoBridgesTest, CloudsFlowAgainAfterAnOutageOfMoreThanALease) {
   Node watcher = open_in(33);
   const auto is_read = [&] {
     return std::ranges::any_of(watcher.domain().subscribers, [](const DomainSnapshot::Endpoint& one) {
@@ -122,16 +139,16 @@ TEST_F(BridgeOfHostsTest, CloudsFlowAgainAfterAnOutageOfMoreThanALease) {
     });
   };
   std::atomic<std::uint32_t> number{0};
-  const Ticker ticker(50ms, [&](std::uint32_t next) { writer.write_cloud(number = next, points); });
-  ASSERT_FALSE(reader.take().body.empty());
+  const Ticker ticker(50ms, [&](std::uint32_t next) { writer_.write_cloud(number = next, points); });
+  ASSERT_FALSE(reader_.take().body.empty());
   ASSERT_TRUE(eventually(is_read));
-  ASSERT_TRUE(network_.run_on_switch({"ip", "link", "set", network_.port(1), "down"}));
+  set_link("down");
   ASSERT_TRUE(eventually([&] { return !is_read(); }));
-  ASSERT_TRUE(network_.run_on_switch({"ip", "link", "set", network_.port(1), "up"}));
+  set_link("up");
   const std::uint32_t at_end = number;
   std::uint32_t last = 0;
   for (std::uint32_t next = 1; next != 0 && last <= at_end; last = std::max(last, next))
-    next = number_of(reader.take());
+    next = number_of(reader_.take());
   EXPECT_GT(last, at_end);
 }
 
@@ -148,20 +165,14 @@ std::vector<std::byte> routes() {
   return cdr_from_json(type.type(), R"({"bridge":1,"routes":[)" + list + "]}").value();
 }
 
-TEST_F(BridgeOfHostsTest, MutatedAndCutRoutesOfAForgerStopNothing) {
+TEST_F(TwoBridgesTest, MutatedAndCutRoutesOfAForgerStopNothing) {
   Random random(test_seed());
   const auto below = [&](std::size_t end) { return static_cast<std::size_t>(random() % end); };
-  use_domain("31");
-  VanillaWriter writer(network_.host(0), {.kind = "points"});
-  use_domain("32");
-  VanillaReader reader(network_.host(1), {});
-  BridgeProcess robot(network_.host(0), rules_of_robot());
-  BridgeProcess station(network_.host(1), rules_of_station());
   VanillaForger forger(network_.host(1), "rt/sft_bridges", "sft_bridge::msg::dds_::Routes_");
   ASSERT_TRUE(forger.is_matched());
   std::atomic<std::uint32_t> number{0};
   std::optional<Ticker> ticker(std::in_place, 50ms,
-                               [&](std::uint32_t next) { writer.write_cloud(number = next, points); });
+                               [&](std::uint32_t next) { writer_.write_cloud(number = next, points); });
   const std::vector<std::byte> sound = routes();
   std::uint32_t last = 0;
   for (int i = 0; i < 60; ++i) {
@@ -172,13 +183,13 @@ TEST_F(BridgeOfHostsTest, MutatedAndCutRoutesOfAForgerStopNothing) {
       if (n % 2 == 0) mutated.resize(4 + below(mutated.size() - 4));
       forger.write_sample(mutated);
     }
-    const std::uint32_t next = number_of(reader.take());
+    const std::uint32_t next = number_of(reader_.take());
     ASSERT_GT(next, last) << how_to_repeat();
     last = next;
   }
   ticker.reset();
-  EXPECT_EQ(robot.end(), 0);
-  EXPECT_EQ(station.end(), 0);
+  EXPECT_EQ(robot_.end(), 0);
+  EXPECT_EQ(station_.end(), 0);
 }
 
 using std_msgs::msg::UInt32;
@@ -213,12 +224,8 @@ void take_all(Node& node, Arrivals& arrivals) {
 TEST_F(BridgeOfHostsTest, OnANarrowLinkSmallSamplesAndTheGreaterPriorityComeFirst) {
   ASSERT_TRUE(network_.run_on_switch({"tc", "qdisc", "add", "dev", network_.port(1), "root", "tbf", "rate",
                                       "20mbit", "burst", "32kb", "latency", "100ms"}));
-  NodeOptions elsewhere{.name = "reader", .domain = 33};
-  elsewhere.transport = TransportChoice::udp;  // the hosts have one memory
-  elsewhere.vanilla_dds = VanillaDds::never;
-  const NodeProcessWith<Arrivals> reader(network_.host(1), elsewhere, take_all);
-  BridgeProcess robot(network_.host(0), {"--from", "31", "--from-dds", "never", "--to", "33", "--to-dds",
-                                         "never", "--priority", "urgent=1", "bulk", "urgent", "small"});
+  const NodeProcessWith<Arrivals> reader(network_.host(1), behind_link("reader"), take_all);
+  BridgeProcess robot(network_.host(0), into_link("--priority", "urgent=1", "bulk", "urgent", "small"));
   Node node = open_in(31);
   auto bulk = node.publisher<PointCloud2>("bulk").value(),
        urgent = node.publisher<PointCloud2>("urgent").value();
@@ -238,6 +245,45 @@ TEST_F(BridgeOfHostsTest, OnANarrowLinkSmallSamplesAndTheGreaterPriorityComeFirs
   EXPECT_GT(arrivals.urgent, 2 * arrivals.bulk);
   EXPECT_GT(arrivals.urgent, published / 2);
   EXPECT_GT(arrivals.overtaken, arrivals.bulk / 10 * 8);
+}
+
+struct Numbers {
+  std::atomic<bool> failed{false};
+  std::atomic<std::uint32_t> last{0}, count{0};
+};
+
+void count_bulk(Node& node, Numbers& numbers) {
+  auto bulk = node.subscriber<PointCloud2>("bulk", {.reliability = reliable}).value();
+  for (;;) {
+    if (!bulk.wait(hang_timeout)) continue;
+    const auto sample = bulk.take();
+    ++numbers.count;
+    numbers.last = sample->height();
+  }
+}
+
+TEST_F(BridgeOfHostsTest, AfterAnOutageWithinALeaseFewOldSamplesOfALargeReliableTopicComeBeforeNewOnes) {
+  use_lease("100 s");
+  const NodeProcessWith<Numbers> reader(network_.host(1), behind_link("reader"), count_bulk);
+  BridgeProcess robot(network_.host(0), into_link("--reliable", "bulk"));
+  Node node = open_in(31);
+  auto bulk = node.publisher<PointCloud2>("bulk", {.reliability = reliable}).value();
+  ASSERT_TRUE(bulk.wait_for_subscribers(1, hang_timeout));
+  const Numbers& numbers = reader.report();
+  std::atomic<std::uint32_t> published{0};
+  const Ticker ticker(10ms, [&](std::uint32_t number) {
+    bulk.publish(cloud(number, 120'000));
+    published = number;
+  });
+  ASSERT_TRUE(eventually([&] { return numbers.count > 10; }));
+  set_link("down");
+  const std::uint32_t at_begin = published, before = numbers.count;
+  ASSERT_TRUE(eventually([&] { return published > at_begin + 400; }));
+  const std::uint32_t at_end = published;
+  set_link("up");
+  ASSERT_TRUE(eventually([&] { return numbers.last > at_end; }));
+  EXPECT_LT(numbers.count - before, 200U) << "8 MiB are 70 samples, and some new ones have come";
+  EXPECT_FALSE(numbers.failed);
 }
 
 }  // namespace

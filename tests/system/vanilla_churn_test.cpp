@@ -105,6 +105,72 @@ TEST_F(VanillaChurn, AnyOrderOfKillsStopsAndRestartsLeavesAWorkingNode) {
   expect_echo();
 }
 
+/// A node with a publisher and a subscriber for each pair of other nodes.
+class VanillaManyTest : public VanillaTest {
+ protected:
+  struct Pair {
+    Publisher<PointCloud2> in;
+    Subscriber<PointCloud2> out;
+  };
+  void add_pairs(std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::string number = std::to_string(i);
+      pairs_.push_back({node_.publisher<PointCloud2>("in_" + number).value(),
+                        node_.subscriber<PointCloud2>("out_" + number, {.reliability = reliable}).value()});
+    }
+  }
+  /// Publishes one cloud of each pair, and waits until each of them comes back.
+  void expect_that_each_comes_back() {
+    for (Pair& pair : pairs_) ASSERT_TRUE(serves(pair.in, 1) && hears(pair.out, 1));
+    for (std::uint32_t i = 0; i < pairs_.size(); ++i) pairs_[i].in.publish(cloud(i));
+    for (std::uint32_t i = 0; i < pairs_.size(); ++i) {
+      ASSERT_TRUE(pairs_[i].out.wait(hang_timeout)) << i;
+      const auto sample = pairs_[i].out.take();
+      EXPECT_EQ(sample->height(), i);
+    }
+  }
+
+  Node node_ = open(Way::udp);
+  std::vector<Pair> pairs_;
+};
+
+TEST_F(VanillaManyTest, TwoHundredEndpointsOfAProcessAreServedAndHeard) {
+  constexpr std::size_t pairs = 100;
+  add_pairs(pairs);
+  VanillaMany others(network_.host(1), 1, pairs);
+  ASSERT_TRUE(others.is_ready());
+  expect_that_each_comes_back();
+}
+
+TEST_F(VanillaManyTest, ThirtyNodesWithAHundredAndFiftyTopicsCostAStreamNoSample) {
+  constexpr std::size_t nodes = 30, pairs_of_node = 5;
+  auto pub = node_.publisher<PointCloud2>("points", {.reliability = reliable}).value();
+  auto sub = node_.subscriber<PointCloud2>("points", {.reliability = reliable, .depth = 10'000}).value();
+  VanillaEcho echo(network_.host(1), {});
+  auto echoed = node_.subscriber<PointCloud2>("echoed", {.reliability = reliable, .depth = 10'000}).value();
+  ASSERT_TRUE(serves(pub, 1) && hears(sub, 1) && hears(echoed, 1) && echo.matches(2));
+  std::uint32_t published = 0;
+  std::optional<Ticker> stream(std::in_place, 20ms, [&](std::uint32_t number) {
+    pub.publish(cloud(number, 10'000));
+    published = number;
+  });
+  add_pairs(nodes * pairs_of_node);
+  VanillaMany others(network_.host(1), nodes, pairs_of_node);
+  ASSERT_TRUE(others.is_ready());
+  expect_that_each_comes_back();
+  stream.reset();
+  for (std::uint32_t i = 1; i <= published; ++i) {
+    ASSERT_TRUE(sub.wait(hang_timeout));
+    const auto sample = sub.take();
+    ASSERT_EQ(sample->height(), i);
+  }
+  for (std::uint32_t last = 0; last < published;) {
+    ASSERT_TRUE(echoed.wait(hang_timeout));
+    const auto sample = echoed.take();
+    last = sample->height();
+  }
+}
+
 struct Echoes {
   std::atomic<std::uint64_t> count{0};
   std::atomic<bool> failed{false};

@@ -1,13 +1,16 @@
 // Publishers send to readers of plain DDS, which know nothing of SFT, on this host and on another host.
 #include <dds/dds.h>
+#include <dlfcn.h>
 #include <gmock/gmock.h>
 
 #include <atomic>
 #include <builtin_interfaces/msg/Time.hpp>
+#include <filesystem>
 #include <set>
 
 #include "tests/support/other_threads.h"
 #include "tests/support/pace.h"
+#include "tests/support/temporary_directory.h"
 #include "tests/system/vanilla_fixture.h"
 
 namespace sft::test {
@@ -290,6 +293,51 @@ TEST_F(VanillaServingTest, AProgramThatSpeaksDdsItselfServesNobodyUnlessItSaysSo
   ASSERT_TRUE(serves(pub, 1) && reader.matches(1));
   EXPECT_EQ(of_automatic.matched(), 0U);
   dds_delete(participant);
+}
+
+/// A second copy of Cyclone DDS in this process, as a program has that loads ROS 2's own.
+class OtherCyclone {
+ public:
+  OtherCyclone() {
+    Dl_info ours{};
+    dladdr(reinterpret_cast<void*>(&::dds_create_participant), &ours);
+    const std::filesystem::path copy = folder_.path() / "libddsc_of_another.so";
+    std::filesystem::copy_file(ours.dli_fname, copy);
+    library_ = dlopen(copy.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_DEEPBIND);
+  }
+  dds_entity_t create_participant() const {
+    const auto create =
+        reinterpret_cast<decltype(&::dds_create_participant)>(function("dds_create_participant"));
+    return create == nullptr ? -1 : create(VanillaProcess::domain(), nullptr, nullptr);
+  }
+  void destroy(dds_entity_t entity) const {
+    reinterpret_cast<decltype(&::dds_delete)>(function("dds_delete"))(entity);
+  }
+
+ private:
+  void* function(const char* name) const { return library_ == nullptr ? nullptr : dlsym(library_, name); }
+
+  const TemporaryDirectory folder_;
+  void* library_ = nullptr;
+};
+
+TEST_F(VanillaServingTest, AProgramThatHasAnotherCycloneDdsServesThemWhicheverIsUsedFirst) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "RTLD_DEEPBIND does not go with the address sanitizer";
+#endif
+  const OtherCyclone other;
+  for (const bool is_first : {true, false}) {
+    dds_entity_t participant = is_first ? other.create_participant() : 0;
+    Node node = open(Way::udp, VanillaDds::always);
+    auto pub = node.publisher<PointCloud2>("points").value();
+    VanillaReader reader(network_.host(1), {});
+    ASSERT_TRUE(serves(pub, 1) && reader.matches(1));
+    if (!is_first) participant = other.create_participant();
+    ASSERT_GT(participant, 0);
+    pub.publish(cloud(3));
+    EXPECT_EQ(reader.take().body, body_of(cloud(3)));
+    other.destroy(participant);
+  }
 }
 
 TEST_F(VanillaServingTest, AProgramThatHasTheLoopbackOnlyServesThemIfItSaysSo) {

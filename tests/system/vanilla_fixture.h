@@ -232,6 +232,19 @@ class VanillaJoins : public VanillaProcess {
   }
 };
 
+/// A process of vanilla_many: so many nodes with so many pairs of a reader and a writer, which send clouds
+/// back.
+class VanillaMany : public VanillaProcess {
+ public:
+  VanillaMany(const hosts::NetworkNamespace& host, std::size_t nodes, std::size_t pairs)
+      : VanillaProcess(host, "vanilla_many", {std::to_string(nodes), std::to_string(pairs)}) {}
+  /// Waits until all are there.
+  bool is_ready() {
+    std::uint32_t made = 0;
+    return is_readable(hang_timeout) && read_all(&made, sizeof made);
+  }
+};
+
 /// A process of vanilla_forger, which writes any bytes that the test gives it as a sample of the topic.
 class VanillaForger : public VanillaProcess {
  public:

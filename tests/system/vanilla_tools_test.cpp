@@ -110,6 +110,16 @@ TEST_F(VanillaToolsTest, ATopicOfADdsWriterIsPrintedMeasuredAndRecordedByTheType
   EXPECT_THAT(content["channels"][0]["node"].get<std::string>(), testing::StartsWith("DDS "));
 }
 
+TEST_F(VanillaToolsTest, EchoOnceWorksTheTenthTimeAsTheFirst) {
+  VanillaWriter writer(network_.host(1), {.durability = "latched"});
+  writer.write_cloud(7);
+  for (int i = 0; i < 10; ++i) {
+    const Ended echo = run_tool({"echo", "points", "--once", "--json", "--fields", "height"});
+    ASSERT_EQ(echo.code, 0) << echo.err;
+    EXPECT_EQ(Json::parse(echo.out)["height"], 7);
+  }
+}
+
 TEST_F(VanillaToolsTest, ATypeThatNoFileDefinesIsRefusedByItsName) {
   const TemporaryDirectory folder;
   const std::filesystem::path package = folder.path() / "house_msgs" / "msg";

@@ -10,6 +10,7 @@
 #include <deque>
 #include <set>
 
+#include "core/vanilla/raw_sample.h"
 #include "tests/support/pace.h"
 #include "tests/support/test_seed.h"
 #include "tests/system/node_process.h"
@@ -516,6 +517,24 @@ TEST_F(VanillaHearingTest, MalformedAndForeignEncodingsAreRefusedCountedAndNamed
       "points: a sample of a writer of DDS cannot be read, and is discarded: the message does not fit"));
   EXPECT_TRUE(warns_of("not encoded as XCDR1"));
   EXPECT_EQ(warnings_with("cannot be read"), 2);
+}
+
+TEST_F(VanillaHearingTest, ANodeWithPlainNamesHearsAndServesEndpointsWithTheNamesOfSft) {
+  NodeOptions options = node_options(Way::udp, "camera");
+  options.vanilla_dds = VanillaDds::always;
+  options.dds_names = NodeOptions::DdsNames::plain;
+  Node node = Node::open(options).value();
+  auto sub = node.subscriber<PointCloud2>("points", {.reliability = reliable}).value();
+  auto pub = node.publisher<PointCloud2>("scans").value();
+  VanillaForger forger(network_.host(1), "points", "sensor_msgs::msg::PointCloud2");
+  ASSERT_TRUE(forger.is_matched() && hears(sub, 1));
+  forger.write_sample(encoded(cloud(3)));
+  EXPECT_EQ(next(sub), 3U);
+  const dds_entity_t participant = dds_create_participant(VanillaProcess::domain(), nullptr, nullptr);
+  const core::RawTopic scans = core::raw_topic(participant, "scans", "sensor_msgs::msg::PointCloud2");
+  ASSERT_GT(dds_create_reader(participant, scans.entity, nullptr, nullptr), 0);
+  EXPECT_TRUE(serves(pub, 1));
+  dds_delete(participant);
 }
 
 TEST_F(VanillaHearingTest, BigEndianNumbersAreSwapped) {

@@ -131,6 +131,7 @@ Result<void> BridgeFlow::begin(Source& source, Node& node, Time now) {
                                              : std::min(depth, bridge_retained_most),
       .deadline = has_conditions ? std::chrono::nanoseconds(0) : source.qos.deadline,
       .lifespan = source.qos.lifespan,
+      .resend_bytes = kept_bytes(source.qos.durability),
       .priority = rule_->options.priority,
       .asynchronous = true};
   Result<DynamicPublisher> publisher = node.publisher("/" + target_, type_, options);

@@ -25,10 +25,21 @@ constexpr auto hearing_time = 5s;
 /// bridge does not announce its old routes again.
 constexpr auto memory_time = 1h;
 constexpr std::uint32_t bridges_most = 64;  // the maximum length of a chain of bridges
+/// Routes are announced again after this time. Long lists are announced less often, so that repetitions use
+/// at most 8 kB per second of a link.
+constexpr auto repetition_time = 2s;
+constexpr std::size_t repeated_bytes_per_ms = 8;
 // Limits of the routes that other bridges announce, since any node may announce itself as a bridge.
 constexpr std::size_t routes_most = 4'096, routes_bytes_most = 256 << 10;  // limits per bridge
 constexpr std::size_t routes_of_all_most = 16'384, others_most = 256;
 constexpr std::size_t topic_bytes_most = 255;
+
+std::chrono::milliseconds time_until_repetition(const std::vector<BridgeRoutes::Route>& routes) {
+  std::size_t bytes = 0;
+  for (const BridgeRoutes::Route& route : routes) bytes += sizeof route + route.topic.size();
+  return std::max<std::chrono::milliseconds>(repetition_time,
+                                             std::chrono::milliseconds(bytes / repeated_bytes_per_ms));
+}
 
 }  // namespace
 
@@ -42,7 +53,7 @@ Result<BridgeRoutes> BridgeRoutes::open(Node& node, std::uint64_t bridge) {
   if (!publisher) return tl::unexpected(publisher.error());
   Result<DynamicSubscriber> subscriber = node.subscriber(
       topic, *type, "*",
-      {.reliability = reliable, .durability = transient_local, .depth = 1, .depth_bytes = routes_bytes_most});
+      {.reliability = reliable, .durability = transient_local, .depth = 8, .depth_bytes = routes_bytes_most});
   if (!subscriber) return tl::unexpected(subscriber.error());
   BridgeRoutes routes(bridge, *std::move(publisher), *std::move(subscriber));
   if (const Result<void> said = routes.publish({}); !said) return tl::unexpected(said.error());
@@ -178,7 +189,8 @@ Result<void> BridgeRoutes::publish(const std::vector<Route>& routes) {
 
 void BridgeRoutes::announce(std::vector<Route> routes, Time now) {
   std::ranges::sort(routes);
-  if (routes == announced_ || !publish(routes)) return;
+  if ((routes == announced_ && now < announced_again_at_) || !publish(routes)) return;
+  announced_again_at_ = now + time_until_repetition(routes);
   std::map<std::pair<std::uint64_t, std::string>, Time> since;
   for (const Route& route : routes) {
     if (route.bridges == 0) continue;

@@ -59,7 +59,8 @@ class BridgeRoutes {
   std::optional<Source> source_of(const DomainSnapshot::Endpoint& publisher) const;
   /// Returns whether this bridge may carry samples of `source` to the topic in this domain.
   Verdict verdict(const Source& source, const std::string& topic, Time now) const;
-  /// Announces the routes of this bridge if they have changed.
+  /// Announces the routes of this bridge if they have changed, and from time to time if they have not:
+  /// another sender may have forged an announcement in the name of this bridge.
   void announce(std::vector<Route> routes, Time now);
 
  private:
@@ -93,6 +94,7 @@ class BridgeRoutes {
   std::map<std::uint64_t, Time> unheard_{};
   std::set<std::uint64_t> publishers_{};  ///< the ids of all publishers of the domain
   std::vector<Route> announced_{};        ///< the routes that this bridge has announced, sorted
+  Time announced_again_at_{};             ///< the time at which they are announced again
   /// when each route was first announced, by origin and topic
   std::map<std::pair<std::uint64_t, std::string>, Time> since_{};
   Time opened_ = std::chrono::steady_clock::now();

@@ -1,6 +1,7 @@
 #include "udp_transport/reliable/kept_samples.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace sft::udp {
@@ -9,6 +10,7 @@ KeptSamples::KeptSamples(const ResendLimits& limits, std::uint64_t first_ordinal
                          std::shared_ptr<const KeptMemory> memory)
     : samples_max_(limits.samples),
       bytes_max_(limits.bytes),
+      samples_least_(limits.samples_least),
       memory_(std::move(memory)),
       entries_(first_ordinal),
       waiting_{first_ordinal, first_ordinal},
@@ -46,15 +48,24 @@ bool KeptSamples::can_keep(std::size_t samples, std::size_t bytes) const {
   if (entries_.empty()) return true;
   samples += size();
   const std::size_t in_all = bytes_ + bytes;
-  return samples <= samples_max_ && in_all <= bytes_max_ &&
+  return samples <= samples_max_ && (in_all <= bytes_max_ || samples <= samples_least_) &&
          (memory_ == nullptr || !memory_->wants_some_of(in_all, bytes));
 }
 
-/// Returns the maximum number of kept bytes after `added` more bytes. If all channels together keep too many
-/// bytes, this channel has to give up twice as many bytes as it adds.
-std::size_t KeptSamples::bytes_max(std::size_t added) const {
-  if (memory_ == nullptr || !memory_->wants_some_of(bytes_)) return bytes_max_;
-  return std::min(bytes_max_, std::max(added, bytes_ - std::min(bytes_, 2 * added)));
+/// Returns the maximum number of bytes that the memory of the node lets this channel keep after `added` more
+/// bytes. If all channels together keep too many bytes, this channel has to give up twice as many bytes as it
+/// adds.
+std::size_t KeptSamples::bytes_max_of_memory(std::size_t added) const {
+  if (memory_ == nullptr || !memory_->wants_some_of(bytes_)) return std::numeric_limits<std::size_t>::max();
+  return std::max(added, bytes_ - std::min(bytes_, 2 * added));
+}
+
+/// Returns true if more samples are kept than the limits allow, or than half of the limits.
+bool KeptSamples::must_give_up(std::size_t bytes_max_of_memory, bool half) const {
+  const std::size_t of = half ? 2 : 1;
+  const bool is_surplus = size() > samples_least_;
+  return keeps_more_than(samples_max_ / of, bytes_max_of_memory / of) ||
+         (is_surplus && bytes_ > bytes_max_ / of);
 }
 
 /// Gives up the oldest samples until the others are within the limits. The newest sample stays, however
@@ -62,10 +73,9 @@ std::size_t KeptSamples::bytes_max(std::size_t added) const {
 /// Otherwise the next large sample would be given up in the same way, and no large sample would ever arrive
 /// whole.
 void KeptSamples::make_room(Kept& kept, std::size_t added) {
-  const std::size_t bytes_max = this->bytes_max(added);
+  const std::size_t of_memory = bytes_max_of_memory(added);
   bool cut_short = false;
-  while (size() > 1 && (keeps_more_than(samples_max_, bytes_max) ||
-                        (cut_short && keeps_more_than(samples_max_ / 2, bytes_max / 2)))) {
+  while (size() > 1 && must_give_up(of_memory, cut_short)) {
     const Entry& oldest = entries_[begin()];
     cut_short = cut_short || (oldest.state == State::under_way && oldest.size() == Size::large);
     if (oldest.begun) {

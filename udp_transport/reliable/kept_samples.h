@@ -91,13 +91,15 @@ class KeptSamples {
 
  private:
   bool keeps_more_than(std::size_t samples, std::size_t bytes) const;
-  std::size_t bytes_max(std::size_t added) const;
+  std::size_t bytes_max_of_memory(std::size_t added) const;
+  bool must_give_up(std::size_t bytes_max_of_memory, bool half) const;
   void make_room(Kept& kept, std::size_t added);
   void release_oldest();
   static void start(Entry& entry);
 
   const std::size_t samples_max_;
   const std::size_t bytes_max_;
+  const std::size_t samples_least_;
   const std::shared_ptr<const KeptMemory> memory_;
   OrdinalRing<Entry> entries_;
   std::uint64_t waiting_[2];  ///< by Size: no entry of that size with a lower ordinal waits

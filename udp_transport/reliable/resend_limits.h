@@ -10,7 +10,9 @@ namespace sft::udp {
 struct ResendLimits {
   /// The maximum number of kept samples; if more come, the oldest ones are given up.
   std::size_t samples = 4096;
-  std::size_t bytes = std::size_t{64} << 20;  ///< maximum memory of kept samples, without the newest
+  std::size_t bytes = std::size_t{64} << 20;  ///< maximum memory of kept samples, without `samples_least`
+  /// These newest samples are kept even if they exceed `bytes`.
+  std::size_t samples_least = 1;
   /// The maximum rate of repairs, so that the rest of the rate is left for new samples.
   std::uint64_t repair_bytes_per_s = 100'000'000;
   std::chrono::milliseconds heartbeat_delay{20};    ///< pause from the last sample to the heartbeat

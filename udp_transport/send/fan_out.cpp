@@ -57,8 +57,9 @@ std::optional<FanOut::DeferredSample> FanOut::take_surplus_before(const Deferred
   const core::Lock lock(mutex_);
   if (queue_.empty()) return {};
   if (is_reliable(newcomer)) {
+    const std::size_t bytes_max = std::min(reliable_bytes_max, tally_->resend_bytes);
     const bool fits = queue_.size() < reliable_samples_max &&
-                      queued_bytes_ + newcomer.sample->capacity <= reliable_bytes_max;
+                      queued_bytes_ + newcomer.sample->capacity <= bytes_max;
     return fits ? std::nullopt : std::optional(pop_oldest());
   }
   if (queue_.size() >= samples_max) return pop_oldest();

@@ -138,6 +138,11 @@ struct NodeOptions {
   /// found. `always`: as long as the node has a publisher or a subscriber.
   enum class VanillaDds : std::uint8_t { automatic, always, never };
 
+  /// The names of topics and types in DDS. `ros2`: those that ROS 2 gives them, "rt/points" and
+  /// "sensor_msgs::msg::dds_::PointCloud2_". `plain`: their own names, "points" and
+  /// "sensor_msgs::msg::PointCloud2", for programs of DDS that know nothing of ROS 2.
+  enum class DdsNames : std::uint8_t { ros2, plain };
+
   /// A callback for lines of the log. It runs on a thread of the node that only handles log lines and
   /// events (event.h), and may call any function of SFT. If several nodes have the same sink, a thread of
   /// each node calls it. A repeated warning or error is written again only after a pause, which grows from
@@ -173,6 +178,9 @@ struct NodeOptions {
   /// The conditions under which unmodified nodes of DDS and ROS 2 are served. Default: the value of
   /// $SFT_VANILLA_DDS (auto, always, never), otherwise automatic.
   std::optional<VanillaDds> vanilla_dds{};
+  /// The names by which unmodified nodes are served and heard. Default: the value of $SFT_DDS_NAMES (ros2,
+  /// plain), otherwise ros2.
+  std::optional<DdsNames> dds_names{};
   /// Settings by which nodes find each other.
   DiscoverySettings discovery{};
   /// The paths that samples of all publishers and subscribers of the node may take. Their own options can
@@ -240,6 +248,11 @@ struct PublisherOptions {
   /// limit. Small samples are sent first. If the limit makes a queue full, its oldest samples are dropped
   /// and counted.
   std::uint64_t max_bytes_per_s = 0;
+  /// The maximum size in bytes of the samples that the publisher keeps for each reliable subscriber that it
+  /// serves by UDP, until the subscriber has acknowledged them; at most 64 MiB. The latest three samples are
+  /// kept in any case. After an interruption of a slow link, what was kept is sent before new samples: choose
+  /// less if late samples are worth nothing. What is given up counts as lost.
+  std::size_t resend_bytes = 64 * 1024 * 1024;
   /// Decides which large samples of several publishers of the node are sent first by UDP: those of the
   /// publisher with the greatest number. Small samples are sent before all large ones.
   std::int8_t priority = 0;

@@ -22,8 +22,8 @@ enum class Reliability : std::uint8_t {
   best_effort,  ///< a lost sample is only counted
   /// Samples arrive in order, and no sample is lost as long as the subscriber does not lag by more than its
   /// depth. Over UDP a lost sample is sent again as long as the publisher keeps it. The publisher keeps the
-  /// last 64 MB or 4096 samples that were not acknowledged (ResendLimits), and fewer if many subscribers
-  /// lag: for all of them together, the node uses at most half of its memory
+  /// last 64 MB (PublisherOptions::resend_bytes) or 4096 samples that were not acknowledged (ResendLimits),
+  /// and fewer if many subscribers lag: for all of them together, the node uses at most half of its memory
   /// (UdpSettings::memory_limit_bytes). In shared memory only the samples within the depth are kept, at
   /// most 256. On either path the total size of these samples is also limited
   /// (SubscriberOptions::depth_bytes). If a publisher is faster than a subscriber, that subscriber loses

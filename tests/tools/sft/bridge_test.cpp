@@ -1,5 +1,6 @@
 // The verb bridge between two domains on this host. tests/system/bridge_test.cpp tests bridges on two
 // hosts.
+#include <sft/json.h>
 #include <sft/msg_text.h>
 #include <algorithm>
 #include <array>
@@ -13,9 +14,13 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <span>
 #include <std_msgs/msg/UInt32.hpp>
 
+#include "tests/hostile/forged_control.h"
+#include "tests/hostile/wire.h"
 #include "tests/support/temporary_directory.h"
+#include "tests/support/test_seed.h"
 #include "tests/support/xyz_cloud.h"
 #include "tests/tools/sft/tool_fixture.h"
 
@@ -247,26 +252,6 @@ TEST_F(BridgeTest, ThreeBridgesInARingGiveEachReaderEachSampleOnceWhicheverOfThe
   EXPECT_THAT(at_c.repeated(), ElementsAre());
 }
 
-TEST_F(BridgeTest, OfTwoBridgesSideBySideOneWaitsSaysSoAndTakesOver) {
-  Node here = open(41), there = open(42);
-  auto publisher = here.publisher<UInt32>("chatter").value();
-  Listener heard(there, "chatter");
-  const Bridge first = bridge(41, 42, {"chatter"});
-  std::atomic<std::uint32_t> published{0};
-  const Ticker ticker(10ms, [&](std::uint32_t number) {
-    publisher.publish({.data = number});
-    published = number;
-  });
-  EXPECT_TRUE(heard.hears_more_than(0));
-  const Bridge second = bridge(41, 42, {"chatter"});
-  ASSERT_TRUE(second->says("another bridge carries 'chatter' to side 'domain 42'; this one waits"));
-  const std::uint32_t at_end = published;
-  EXPECT_EQ(end(first).code, 0);
-  EXPECT_TRUE(heard.hears_more_than(at_end + 100));
-  EXPECT_EQ(end(second).code, 0);
-  EXPECT_THAT(heard.repeated(), ElementsAre());
-}
-
 TEST_F(BridgeTest, RulesThatCannotWorkAreRefusedInASentence) {
   const TemporaryDirectory folder;
   const std::string file = (folder.path() / "bridge.toml").string();
@@ -361,48 +346,6 @@ TEST_F(BridgeTest, PatternsCarryTheTopicsOfANamespaceIntoAnother) {
   EXPECT_TRUE(heard.has(1) && back.has(2));
 }
 
-TEST_F(BridgeTest, WhenABridgeIsKilledAnotherTakesOverAndNobodyGetsASampleTwice) {
-  Node here = open(41), there = open(42);
-  auto publisher = here.publisher<UInt32>("chatter", {.reliability = reliable}).value();
-  Listener heard(there, "chatter", {.reliability = reliable});
-  const Bridge first = bridge(41, 42, {"chatter"});
-  std::atomic<std::uint32_t> published{0};
-  const Ticker ticker(10ms, [&](std::uint32_t number) {
-    publisher.publish({.data = number});
-    published = number;
-  });
-  EXPECT_TRUE(heard.hears_more_than(0));
-  const Bridge second = bridge(41, 42, {"chatter"});
-  ASSERT_TRUE(second->says("this one waits"));
-  first->send(SIGKILL);
-  EXPECT_EQ(first->end().code, -SIGKILL);
-  const std::uint32_t at_end = published;
-  EXPECT_TRUE(heard.hears_more_than(at_end + 100));
-  EXPECT_EQ(end(second).code, 0);
-  EXPECT_THAT(heard.repeated(), ElementsAre());
-}
-
-TEST_F(BridgeTest, FiftyRestartsOfAnotherBridgeCostNoSampleAndNoMemory) {
-  Node here = open(41), there = open(42);
-  auto publisher = here.publisher<UInt32>("chatter", {.reliability = reliable}).value();
-  Listener heard(there, "chatter", {.reliability = reliable});
-  const Bridge stays = bridge(41, 42, {"chatter"});
-  const Ticker ticker(10ms, [&](std::uint32_t number) { publisher.publish({.data = number}); });
-  ASSERT_TRUE(heard.hears_more_than(0));
-  std::size_t before = 0;
-  for (int i = 0; i < 50; ++i) {
-    const Bridge other = bridge(41, 42, {"chatter"});
-    ASSERT_TRUE(has_bridges(there, 2));
-    EXPECT_LT(end(other).code, 2);
-    ASSERT_TRUE(has_bridges(there, 1));
-    if (i == 9) before = anonymous_bytes(*stays);
-  }
-  EXPECT_LT(anonymous_bytes(*stays), before + 4'000'000);
-  const std::vector<std::uint32_t> numbers = heard.numbers();
-  EXPECT_EQ(numbers.back() - numbers.front() + 1, numbers.size()) << "some are missing";
-  EXPECT_THAT(heard.repeated(), ElementsAre());
-}
-
 TEST_F(BridgeTest, ATopicThatComesBackWithAnotherTypeIsCarried) {
   Node here = open(41), there = open(42);
   const Bridge work = bridge(41, 42, {"data"});
@@ -440,17 +383,98 @@ TEST_F(BridgeTest, APatternCarriesSixtyFourTopics) {
   for (std::uint32_t i = 0; i < 64; ++i) EXPECT_TRUE(listeners[i]->has(i)) << i;
 }
 
+/// A bridge carries a topic on which the samples are counted, from domain 41 to domain 0.
+class CarryingBridgeTest : public BridgeTest {
+ protected:
+  static Bridge like_it() { return bridge(41, 0, {"chatter"}); }
+  bool is_carried() { return heard_.hears_more_than(0); }
+  /// Waits until it is clear that what is published now comes.
+  bool is_carried_again() { return heard_.hears_more_than(published_ + 100); }
+  static const char* waits() { return "another bridge carries 'chatter' to side 'domain 0'; this one waits"; }
+
+  Node here_ = open(41), there_ = open(0);
+  Publisher<UInt32> publisher_ = here_.publisher<UInt32>("chatter", {.reliability = reliable}).value();
+  Listener heard_{there_, "chatter", {.reliability = reliable}};
+  Bridge bridge_ = like_it();
+  std::atomic<std::uint32_t> published_{0};
+  Ticker ticker_{10ms, [this](std::uint32_t number) {
+                   publisher_.publish({.data = number});
+                   published_ = number;
+                 }};
+};
+
+TEST_F(CarryingBridgeTest, OfTwoBridgesSideBySideOneWaitsSaysSoAndTakesOver) {
+  ASSERT_TRUE(is_carried());
+  const Bridge second = like_it();
+  ASSERT_TRUE(second->says(waits()));
+  EXPECT_EQ(end(bridge_).code, 0);
+  EXPECT_TRUE(is_carried_again());
+  EXPECT_EQ(end(second).code, 0);
+  EXPECT_THAT(heard_.repeated(), ElementsAre());
+}
+
+TEST_F(CarryingBridgeTest, WhenABridgeIsKilledAnotherTakesOverAndNobodyGetsASampleTwice) {
+  ASSERT_TRUE(is_carried());
+  const Bridge second = like_it();
+  ASSERT_TRUE(second->says(waits()));
+  bridge_->send(SIGKILL);
+  EXPECT_EQ(bridge_->end().code, -SIGKILL);
+  EXPECT_TRUE(is_carried_again());
+  EXPECT_EQ(end(second).code, 0);
+  EXPECT_THAT(heard_.repeated(), ElementsAre());
+}
+
+TEST_F(CarryingBridgeTest, OfManyBridgesOneCarriesWhicheverOfThemEnds) {
+  std::vector<Bridge> others;
+  for (std::uint64_t i = 0; i < test_rounds(7); ++i) others.push_back(like_it());
+  ASSERT_TRUE(has_bridges(there_, static_cast<std::ptrdiff_t>(others.size()) + 1));
+  ASSERT_TRUE(is_carried());
+  EXPECT_LT(end(bridge_).code, 2);
+  while (others.size() > 1) {
+    ASSERT_TRUE(is_carried_again()) << others.size();
+    EXPECT_LT(end(others.back()).code, 2);
+    others.pop_back();
+  }
+  EXPECT_TRUE(is_carried_again());
+  EXPECT_THAT(heard_.repeated(), ElementsAre());
+}
+
+TEST_F(CarryingBridgeTest, FiftyRestartsOfAnotherBridgeCostNoSampleAndNoMemory) {
+  ASSERT_TRUE(is_carried());
+  std::size_t before = 0;
+  for (int i = 0; i < 50; ++i) {
+    const Bridge other = like_it();
+    ASSERT_TRUE(has_bridges(there_, 2));
+    EXPECT_LT(end(other).code, 2);
+    ASSERT_TRUE(has_bridges(there_, 1));
+    if (i == 9) before = anonymous_bytes(*bridge_);
+  }
+  EXPECT_LT(anonymous_bytes(*bridge_), before + 4'000'000);
+  const std::vector<std::uint32_t> numbers = heard_.numbers();
+  EXPECT_EQ(numbers.back() - numbers.front() + 1, numbers.size()) << "some are missing";
+  EXPECT_THAT(heard_.repeated(), ElementsAre());
+}
+
+/// The announcement of a bridge that was started before all others.
+Json announcement(const Json& routes) { return {{"bridge", 1}, {"routes", routes}}; }
+/// The route of a publisher that is as far from its origin as with the bridge of the test.
+Json route_of_chatter(std::uint64_t origin) {
+  return {{"origin", origin}, {"bridges", 1}, {"topic", "chatter"}, {"publisher", 1}};
+}
+DynamicType type_of_routes() {
+  return from_msg("sft_bridge/Routes",
+                  "uint64 bridge\nsft_bridge/Route[] routes\n===\nMSG: sft_bridge/Route\nuint64 origin\n"
+                  "uint32 bridges\nstring topic\nuint64 publisher\n")
+      .value();
+}
+
 /// A node that announces itself as a bridge, with the routes that the test gives it.
 class FalseBridge {
  public:
-  explicit FalseBridge(std::uint32_t domain)
+  explicit FalseBridge(std::uint32_t domain = 0)
       : node_(Node::open({.name = "sft_bridge_1", .domain = domain, .transport = TransportChoice::udp})
                   .value()) {}
-  /// The route is the one that `publisher` holds: as far from the origin as the bridge that is there, and
-  /// older.
-  void announce_itself(std::uint64_t origin) {
-    announce({{{"origin", origin}, {"bridges", 1}, {"topic", "chatter"}, {"publisher", 1}}});
-  }
+  void announce_itself(std::uint64_t origin) { announce(Json::array({route_of_chatter(origin)})); }
   /// The route says that `publisher` brings samples of `origin`. It is announced to bridges that come later.
   void claim(std::uint64_t publisher, std::uint64_t origin) {
     announce({{{"origin", origin}, {"bridges", 1}, {"topic", "chatter"}, {"publisher", publisher}}}, false);
@@ -465,18 +489,13 @@ class FalseBridge {
 
  private:
   void announce(const Json& routes, bool waits_for_bridge = true) {
-    const DynamicType type =
-        from_msg("sft_bridge/Routes",
-                 "uint64 bridge\nsft_bridge/Route[] routes\n===\nMSG: sft_bridge/Route\nuint64 origin\n"
-                 "uint32 bridges\nstring topic\nuint64 publisher\n")
-            .value();
     publishers_.push_back(
         node_
-            .publisher("sft_bridges", type,
+            .publisher("sft_bridges", type_of_routes(),
                        {.reliability = reliable, .durability = transient_local, .max_sample_bytes = 16 << 20})
             .value());
     EXPECT_TRUE(!waits_for_bridge || publishers_.back().wait_for_subscribers(1, hang_timeout));
-    EXPECT_TRUE(publishers_.back().publish_json(Json{{"bridge", 1}, {"routes", routes}}.dump()));
+    EXPECT_TRUE(publishers_.back().publish_json(announcement(routes).dump()));
   }
 
   Node node_;
@@ -496,30 +515,77 @@ TEST_F(BridgeTest, NobodyHasRoutesForThePublishersOfOthers) {
   EXPECT_TRUE(heard.has(7));
 }
 
-TEST_F(BridgeTest, FalseRoutesCostLittleMemoryAndCountOnlyWhileTheirPublishersAreThere) {
-  Node here = open(41), there = open(42);
-  auto publisher = here.publisher<UInt32>("chatter", {.reliability = reliable}).value();
-  Listener heard(there, "chatter", {.reliability = reliable});
-  const Bridge work = bridge(41, 42, {"chatter"});
-  std::atomic<std::uint32_t> published{0};
-  const Ticker ticker(10ms, [&](std::uint32_t number) {
-    publisher.publish({.data = number});
-    published = number;
-  });
-  ASSERT_TRUE(heard.hears_more_than(0));
-  const std::size_t before = anonymous_bytes(*work);
+TEST_F(CarryingBridgeTest, FalseRoutesCostLittleMemoryAndCountOnlyWhileTheirPublishersAreThere) {
+  ASSERT_TRUE(is_carried());
+  const std::size_t before = anonymous_bytes(*bridge_);
   {
-    FalseBridge attacker(42);
+    FalseBridge attacker;
     attacker.announce_many(100'000, 1);
     for (int i = 0; i < 40; ++i) attacker.announce_many(900, 200);
-    attacker.announce_itself(publisher.status().id);
-    EXPECT_TRUE(work->says("another bridge carries 'chatter' to side 'domain 42'; this one waits"));
+    attacker.announce_itself(publisher_.status().id);
+    EXPECT_TRUE(bridge_->says(waits()));
   }
-  const std::uint32_t at_end = published;
-  EXPECT_TRUE(heard.hears_more_than(at_end + 100));
-  EXPECT_LT(anonymous_bytes(*work), before + 40'000'000);
-  EXPECT_EQ(end(work).code, 0);
-  EXPECT_THAT(heard.repeated(), ElementsAre());
+  EXPECT_TRUE(is_carried_again());
+  EXPECT_LT(anonymous_bytes(*bridge_), before + 40'000'000);
+  EXPECT_EQ(end(bridge_).code, 0);
+  EXPECT_THAT(heard_.repeated(), ElementsAre());
+}
+
+/// Sends datagrams to a bridge in domain 0 in the name of another one.
+class RouteForger {
+ public:
+  RouteForger(const ToolProcess& to, const ToolProcess& in_the_name_of)
+      : reader_(endpoint_of(core::Role::reader, to)),
+        writer_(endpoint_of(core::Role::writer, in_the_name_of)) {}
+  bool knows_both() const { return reader_.id != 0 && writer_.id != 0; }
+
+  void send(const Json& announcement) {
+    const std::vector<std::byte> cdr = cdr_from_json(type_of_routes().type(), announcement.dump()).value();
+    const std::span<const std::byte> body = std::span(cdr).subspan(4);
+    udp::FirstHeader header;
+    header.label = {static_cast<std::uint32_t>(writer_.id), ++sequence_, 60'000};
+    header.mask = reader_.request.mask_words.empty() ? 0 : reader_.request.mask_words[0];
+    header.total = static_cast<std::uint32_t>(body.size());
+    header.stamp_ns = std::chrono::system_clock::now().time_since_epoch().count();
+    hostile::Bytes datagram = hostile::encoded(header, header.bytes());
+    datagram.insert(datagram.end(), body.begin(), body.end());
+    for (const sockaddr_in& address : hostile::addresses_of(reader_)) sender_.send(datagram, address);
+  }
+
+ private:
+  core::Endpoint endpoint_of(core::Role role, const ToolProcess& bridge) {
+    core::Endpoint found;
+    eventually([&] {
+      for (const core::Endpoint& one : control_.heard(role)) {
+        const bool has_request = role == core::Role::writer || !one.request.mask_words.empty();
+        if (one.topic == "sft_bridges" && one.node == "sft_bridge_" + std::to_string(bridge.id()) &&
+            has_request)
+          found = one;
+      }
+      return found.id != 0;
+    });
+    return found;
+  }
+
+  hostile::ForgedControl control_{0, {"lo"}};
+  hostile::Sender sender_;
+  core::Endpoint reader_, writer_;
+  std::uint32_t sequence_ = 500;  ///< above what an honest bridge has reached
+};
+
+TEST_F(CarryingBridgeTest, RoutesThatAreForgedInTheNameOfABridgeHoldUntilItAnnouncesItsOwnAgain) {
+  ASSERT_TRUE(is_carried());
+  const Bridge other = bridge(43, 0, {"nothing"});
+  ASSERT_TRUE(has_bridges(there_, 2));
+  RouteForger forger(*bridge_, *other);
+  ASSERT_TRUE(forger.knows_both());
+  {
+    const Json forged = announcement(Json::array({route_of_chatter(publisher_.status().id)}));
+    const Ticker forging(100ms, [&](std::uint32_t) { forger.send(forged); });
+    ASSERT_TRUE(bridge_->says(waits()));
+  }
+  EXPECT_TRUE(is_carried_again());
+  EXPECT_THAT(heard_.repeated(), ElementsAre());
 }
 
 }  // namespace

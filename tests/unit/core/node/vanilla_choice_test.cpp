@@ -24,5 +24,14 @@ TEST(VanillaChoice, InTheEnvironmentIsOneOfThreeWords) {
   EXPECT_EQ(vanilla_choice(always, "on").value(), always) << "nobody asked for it";
 }
 
+TEST(DdsNamesChoice, IsWhatTheProgramSaysOrElseTheEnvironmentOrElseThatOfRos2) {
+  using enum NodeOptions::DdsNames;
+  EXPECT_EQ(dds_names_choice(ros2, "plain").value(), ros2);
+  EXPECT_EQ(dds_names_choice({}, "plain").value(), plain);
+  EXPECT_EQ(dds_names_choice({}, "ros2").value(), ros2);
+  EXPECT_EQ(dds_names_choice({}, nullptr).value(), ros2);
+  EXPECT_THAT(dds_names_choice({}, "ros").error().message, testing::HasSubstr("SFT_DDS_NAMES is 'ros'"));
+}
+
 }  // namespace
 }  // namespace sft::core

@@ -32,5 +32,12 @@ TEST(DdsNames, OfTypesInRosHaveSlashes) {
   EXPECT_EQ(ros_type_name("Imu"), "Imu");
 }
 
+TEST(DdsNames, AreThoseOfSftIfTheyArePlain) {
+  EXPECT_EQ(dds_topic("/left/points", DdsNames::plain), "left/points");
+  EXPECT_EQ(dds_type("sensor_msgs::msg::Imu", DdsNames::plain), "sensor_msgs::msg::Imu");
+  EXPECT_EQ(topic_of_dds("left/points", DdsNames::plain), "left/points");
+  EXPECT_EQ(type_of_dds("house::Door", DdsNames::plain), "house::Door");
+}
+
 }  // namespace
 }  // namespace sft::core

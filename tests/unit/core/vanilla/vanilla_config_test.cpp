@@ -38,6 +38,12 @@ TEST(VanillaConfig, MulticastsNoSamplesAndUsesNoRuntimeOfIceoryx) {
   EXPECT_THAT(of_vanilla("<SharedMemory><Enable>true</></>").value("SharedMemory/Enable"), is("false"));
 }
 
+TEST(VanillaConfig, AsksSoonForWhatIsThereUnlessTheUserSaysOtherwise) {
+  EXPECT_THAT(of_vanilla("").value("Internal/PreEmptiveAckDelay"), is("3 ms"));
+  EXPECT_THAT(of_vanilla("<Internal><PreEmptiveAckDelay>20 ms</></>").value("Internal/PreEmptiveAckDelay"),
+              is("20 ms"));
+}
+
 TEST(VanillaConfig, LooksForNodesWhereRos2LooksUnlessTheUserSaysOtherwise) {
   const auto of_humble = of_vanilla("", 0, ros_discovery("1", nullptr, nullptr).value());
   EXPECT_THAT(of_humble.values("General/Interfaces/NetworkInterface/@address"), ElementsAre("127.0.0.1"));

@@ -108,6 +108,35 @@ TEST_F(ChannelTest, HoldsUpNobodyAnyMoreOnceAcksAreOfWhatWasNeverSent) {
   EXPECT_GT(hang_timeout, 30s);
 }
 
+class ChannelOfFewBytesTest : public ChannelTest {
+ protected:
+  /// Posts samples without waiting, and returns the number of those that the channel keeps.
+  std::uint64_t kept_of(int samples, std::size_t bytes) {
+    std::uint64_t last = 0;
+    for (int i = 0; i < samples; ++i) {
+      const JobHandle posted = job(bytes);
+      last = few_.post(posted, posted->first, false).kept.ordinal;
+    }
+    std::uint64_t kept = 0;
+    while (last > kept && few_.keeps(last - kept)) ++kept;
+    return kept;
+  }
+
+ private:
+  Channel few_{7, 3, destinations.find({.ip = 1, .port = 1}),
+               std::make_shared<WriterTally>(0, std::int8_t{0}, std::size_t{1'000'000}), 5000};
+};
+
+TEST_F(ChannelOfFewBytesTest, KeepsNoMoreBytesThanItsWriterAllows) {
+  const std::uint64_t kept = kept_of(100, 100'000);
+  EXPECT_GE(kept, 8U);
+  EXPECT_LE(kept, 10U);
+}
+
+TEST_F(ChannelOfFewBytesTest, KeepsThreeSamplesHoweverLargeTheyAre) {
+  EXPECT_EQ(kept_of(10, beyond_caches), 3U);
+}
+
 class ChannelHeartbeatTest : public testing::Test {
  protected:
   /// Sends a sample at that time, as the publisher's thread does.
