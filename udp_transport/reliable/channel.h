@@ -37,7 +37,7 @@ class Channel {
         tally_(std::move(tally)),
         port_(port),
         memory_(std::move(memory)),
-        window_(writer, number, limits_of(*tally_), 1, memory_) {}
+        window_(writer, number, ResendLimits::of_at_most(tally_->resend_bytes), 1, memory_) {}
 
   // Any thread may call the following functions.
 
@@ -117,14 +117,6 @@ class Channel {
   Care look_after();
 
  private:
-  /// A sample that is given up while it is being sent has cost the link its bytes for nothing. So a small
-  /// limit holds for no large samples that follow each other.
-  static ResendLimits limits_of(const WriterTally& tally) {
-    ResendLimits limits;
-    if (tally.resend_bytes < limits.bytes) limits.samples_least = 3;
-    limits.bytes = std::min(limits.bytes, tally.resend_bytes);
-    return limits;
-  }
   bool has_ended() const SFT_REQUIRES(mutex_);
   bool has_room_for(const Job& job) const SFT_REQUIRES(mutex_);
   bool runs_ahead_with(const Job& job) const SFT_REQUIRES(mutex_);

@@ -1,6 +1,7 @@
 // The limits and times of the writer's end of a channel (ResendWindow).
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -24,6 +25,16 @@ struct ResendLimits {
   /// For this time after a loss, the link counts as bad, so that heartbeats come sooner.
   std::chrono::seconds mistrust{10};
   std::chrono::milliseconds heartbeat_longest{1000};  ///< longest pause between unanswered heartbeats
+
+  /// Returns the limits of a writer whose samples may take `most` bytes. A sample that is given up while it
+  /// is being sent has cost the link its bytes for nothing. So a small limit does not hold for large samples
+  /// that follow each other.
+  static ResendLimits of_at_most(std::size_t most) {
+    ResendLimits limits;
+    if (most < limits.bytes) limits.samples_least = 3;
+    limits.bytes = std::min(limits.bytes, most);
+    return limits;
+  }
 };
 
 }  // namespace sft::udp
