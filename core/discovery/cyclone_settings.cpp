@@ -129,9 +129,10 @@ void write(const CycloneElement& element, const std::vector<const CycloneElement
 
 Result<std::string> text_of_file(const std::string& name) {
   constexpr std::string_view scheme = "file://";
-  Result<std::string> text =
-      read_text_file(name.starts_with(scheme) ? name.substr(scheme.size()) : name);
-  if (!text) return fail(Errc::invalid_argument, std::string(where_from) + ": " + text.error().message);
+  Result<std::string> text = read_text_file(name.starts_with(scheme) ? name.substr(scheme.size()) : name);
+  if (!text)
+    return fail(Errc::invalid_argument,
+                std::string(where_from) + " names '" + name + "': " + text.error().message);
   return text;
 }
 
