@@ -7,6 +7,7 @@
 #include <builtin_interfaces/msg/Time.hpp>
 #include <filesystem>
 #include <set>
+#include <utility>
 
 #include "tests/support/other_threads.h"
 #include "tests/support/pace.h"
@@ -253,7 +254,13 @@ TEST_F(VanillaServingTest, TheLogSaysWhyAReaderIsNotServed) {
 TEST_F(VanillaServingTest, WithoutSuchNodesThereIsNothingMoreThanIfTheyWereNeverServed) {
   Node node = open(Way::udp, VanillaDds::never);
   auto pub = node.publisher<PointCloud2>("points").value();
-  const std::multiset<std::string> before = names_of_threads();
+  // The threads of discovery start one after the other.
+  std::multiset<std::string> before;
+  const auto are_all = [&] {
+    std::multiset<std::string> now = names_of_threads();
+    return std::exchange(before, now) == now;
+  };
+  ASSERT_TRUE(eventually(are_all, hang_timeout, 200ms));
   Node served = open(Way::udp);
   auto other = served.publisher<PointCloud2>("points").value();
   auto sub = node.subscriber<PointCloud2>("points").value();
