@@ -19,18 +19,19 @@ bool ArrivalWatchdog::needs_progress(Time now) {
 bool ArrivalWatchdog::look(const Progress* progress, std::uint64_t signs, const Pair& pair, Time now) {
   if (now - std::exchange(looked_at_, now) >= stopped_after) excuse();
   if (signs_ != signs) {
-    const bool works = signs_.has_value();
-    if (works) pause_ = {};
+    if (signs_) {  // the connection works
+      pause_ = {};
+      reports_count_from_ = now + report_age_max;
+    }
     excuse();
-    if (works || now - arrived_at_ >= quiet_after) arrived_at_ = now;
     signs_ = signs;
+    arrived_at_ = now;
   }
-  if (progress != nullptr && now - arrived_at_ >= report_age_max) advance(*progress, pair, now);
+  if (progress != nullptr && now >= reports_count_from_) advance(*progress, pair, now);
   if (!base_) return false;
   if (!missed_since_ && is_missed(pair)) missed_since_ = now;
   if (!missed_since_ || now - *missed_since_ < time_to_arrive(pair) || now < next_) return false;
   excuse();  // a new connection counts its arrivals from 0
-  arrived_at_ = now;
   ++restarts_;
   pause_ = std::clamp<std::chrono::nanoseconds>(pause_ * 2, pause_first, pause_longest);
   next_ = now + pause_;

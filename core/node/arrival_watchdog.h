@@ -72,7 +72,8 @@ class ArrivalWatchdog {
 
   std::optional<std::uint64_t> signs_;
   Time looked_at_{};
-  Time arrived_at_{};  ///< the time when signs_ changed last, or of the last restart if that was later
+  Time arrived_at_{};  ///< the time when signs_ changed last
+  Time reports_count_from_{};
   Time needs_progress_until_{};
   std::optional<Progress> base_;  ///< the first progress that was reported since the last arrival
   Progress latest_{};

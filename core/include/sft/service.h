@@ -78,6 +78,7 @@ class [[nodiscard]] Service {
     }
     return open(node, service, std::move(fill), options);
   }
+  /// The same with a handler that fills the response in.
   [[nodiscard]] static Result<Service> open(Node& node, std::string_view service, FillingHandler handler,
                                             PublisherOptions options = {}) {
     if (!handler) return fail(Errc::invalid_argument, "service '" + std::string(service) + "': no handler");
