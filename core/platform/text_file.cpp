@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t text_bytes_max = 1 << 20;
 
 tl::unexpected<Error> refused(const std::string& path, const std::string& why) {
-  return fail(Errc::unavailable, "the file '" + path + "' cannot be read: " + why);
+  return fail(Errc::unavailable, path + ": " + why);
 }
 }  // namespace
 
@@ -26,7 +26,8 @@ Result<std::string> read_text_file(const std::string& path) {
   struct stat kind {};
   if (::fstat(file.get(), &kind) != 0) return refused(path, std::strerror(errno));
   if (!S_ISREG(kind.st_mode))
-    return refused(path, S_ISDIR(kind.st_mode) ? "it is a directory" : "it is not a regular file");
+    return refused(
+        path, S_ISDIR(kind.st_mode) ? "this is a directory, not a text file" : "this is not a text file");
   std::string text(text_bytes_max + 1, '\0');
   std::size_t size = 0;
   while (size < text.size()) {
@@ -36,7 +37,7 @@ Result<std::string> read_text_file(const std::string& path) {
     if (bytes == 0) break;
     size += static_cast<std::size_t>(bytes);
   }
-  if (size > text_bytes_max) return refused(path, "it has more than 1 MiB");
+  if (size > text_bytes_max) return refused(path, "this is longer than 1 MiB");
   text.resize(size);
   return text;
 }

@@ -8,7 +8,7 @@
 namespace sft::core {
 
 /// Returns the text of a regular file of at most 1 MiB. The function never waits for a writer of a FIFO, and
-/// never reads a device. Returns Errc::unavailable with the file and the reason otherwise.
+/// never reads a device. Returns Errc::unavailable otherwise. The error begins with the path.
 Result<std::string> read_text_file(const std::string& path);
 
 }  // namespace sft::core

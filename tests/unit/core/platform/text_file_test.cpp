@@ -33,20 +33,18 @@ TEST_F(TextFileTest, ATextIsReadWhole) {
 }
 
 TEST_F(TextFileTest, WhatIsNoTextFileIsRefusedByName) {
-  EXPECT_EQ(refusal(path("none")),
-            "the file '" + path("none") + "' cannot be read: No such file or directory");
-  EXPECT_EQ(refusal("/tmp"), "the file '/tmp' cannot be read: it is a directory");
-  EXPECT_EQ(refusal("/dev/zero"), "the file '/dev/zero' cannot be read: it is not a regular file");
+  EXPECT_EQ(refusal(path("none")), path("none") + ": No such file or directory");
+  EXPECT_EQ(refusal("/tmp"), "/tmp: this is a directory, not a text file");
+  EXPECT_EQ(refusal("/dev/zero"), "/dev/zero: this is not a text file");
   ASSERT_EQ(mkfifo(path("fifo").c_str(), 0600), 0);
-  EXPECT_EQ(refusal(path("fifo")),
-            "the file '" + path("fifo") + "' cannot be read: it is not a regular file");
+  EXPECT_EQ(refusal(path("fifo")), path("fifo") + ": this is not a text file");
 }
 
 TEST_F(TextFileTest, ATextOfMoreThanAMebibyteIsRefused) {
   std::ofstream(path("text")) << std::string(1 << 20, 'a');
   EXPECT_EQ(refusal(path("text")), "");
   std::ofstream(path("text"), std::ios::app) << 'a';
-  EXPECT_EQ(refusal(path("text")), "the file '" + path("text") + "' cannot be read: it has more than 1 MiB");
+  EXPECT_EQ(refusal(path("text")), path("text") + ": this is longer than 1 MiB");
 }
 
 }  // namespace
