@@ -182,6 +182,16 @@ TEST_F(ArrivalWatchdogTest, APairThatIsQuickBetweenPausesIsLeftAloneAlthoughRepo
   EXPECT_TRUE(restarted_at.empty());
 }
 
+TEST_F(ArrivalWatchdogTest, AReportThatLeftBeforeTheLastArrivalDoesNotCount) {
+  const ArrivalWatchdog::Pair pair{.reliable = true};
+  const Progress older{1, 1990, 0}, newer{1, 2000, 0};
+  EXPECT_FALSE(watchdog.look(nullptr, 1000, pair, now));
+  EXPECT_FALSE(watchdog.look(nullptr, 2000, pair, now += 900ms)) << "all samples have arrived";
+  EXPECT_FALSE(watchdog.look(&older, 2000, pair, now += 5ms));
+  EXPECT_FALSE(watchdog.look(&newer, 2000, pair, now += 900ms));
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(watchdog.look(nullptr, 2000, pair, now += 900ms));
+}
+
 /// A process that was stopped receives nothing. It first gets the time to receive what waits for it.
 TEST_F(ArrivalWatchdogTest, ANodeThatWasStoppedGivesItsConnectionsTheirTimeAgain) {
   run({}, 10s);
