@@ -69,7 +69,7 @@ bool write_all(int file, const std::vector<std::byte>& bytes) {
 
 /// Returns the processor time per sample in ms of a process that only copies samples and writes them.
 double copying_ms(const Clouds& clouds, const test::TemporaryDirectory& folder) {
-  // The number of samples in memory, so many that they do not stay in a cache
+  // The number of samples in memory, which is too large for a cache
   constexpr std::size_t places = 8;
   const std::string path = folder.path() / "copy";
   const Shared<double> cpu_ms;

@@ -191,7 +191,7 @@ double copies() {
 
 }  // namespace
 
-/// Nobody writes the data anew: as a driver does so, it takes the same time in a struct and in a loan.
+/// The data are not written anew: as a driver does so, it takes the same time in a struct and in a loan.
 std::vector<Figure> vanilla_write(const VanillaScale& scale) {
   const std::vector<double> costs =
       compare(scale, {{publish_loans, read_by_cyclone}, {publish_structs, read_by_cyclone}, without_sft},

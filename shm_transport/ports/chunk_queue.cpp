@@ -98,7 +98,7 @@ void ChunkQueue::close() noexcept {
   port_.unsubscribe();
 }
 
-/// Takes the chunks that have arrived out of the queue, as far as iceoryx lets a reader hold so many. A chunk
+/// Takes the chunks that have arrived out of the queue, up to the number that iceoryx lets a reader hold. A chunk
 /// in a queue does not tell its size.
 void ChunkQueue::keep_arrived() noexcept {
   while (arrived_ > 0 && slots_.out() + kept_.size() < iox::MAX_CHUNKS_HELD_PER_SUBSCRIBER_SIMULTANEOUSLY) {

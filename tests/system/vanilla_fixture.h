@@ -232,8 +232,8 @@ class VanillaJoins : public VanillaProcess {
   }
 };
 
-/// A process of vanilla_many: so many nodes with so many pairs of a reader and a writer, which send clouds
-/// back.
+/// A process of vanilla_many, with the given numbers of nodes and of pairs of a reader and a writer that send
+/// clouds back.
 class VanillaMany : public VanillaProcess {
  public:
   VanillaMany(const hosts::NetworkNamespace& host, std::size_t nodes, std::size_t pairs)

@@ -21,7 +21,7 @@ Heartbeat addressed(Heartbeat heartbeat, std::uint16_t port) {
 }
 }  // namespace
 
-/// Returns true if no reader needs what is posted from now on. So nobody waits for room.
+/// Returns true if no reader needs what is posted from now on. So no publisher waits for room.
 bool Channel::has_ended() const { return life_.has_ended() || went_wrong(); }
 
 /// Returns true if the window can keep the job without giving up older samples, or if the channel has ended.

@@ -476,7 +476,7 @@ class FalseBridge {
                   .value()) {}
   void announce_itself(std::uint64_t origin) { announce(Json::array({route_of_chatter(origin)})); }
   /// The route says that `publisher` brings samples of `origin`. It is announced to bridges that come later.
-  void claim(std::uint64_t publisher, std::uint64_t origin) {
+  void announce_route(std::uint64_t publisher, std::uint64_t origin) {
     announce({{{"origin", origin}, {"bridges", 1}, {"topic", "chatter"}, {"publisher", publisher}}}, false);
   }
   void announce_many(std::size_t routes, std::size_t topic_bytes) {
@@ -508,7 +508,7 @@ TEST_F(BridgeTest, NobodyHasRoutesForThePublishersOfOthers) {
   auto other = there.publisher<UInt32>("chatter", {.reliability = reliable}).value();
   Listener heard(there, "chatter", {.reliability = reliable});
   FalseBridge attacker(41);
-  attacker.claim(publisher.status().id, other.status().id);
+  attacker.announce_route(publisher.status().id, other.status().id);
   const Bridge work = bridge(41, 42, {"chatter"});
   ASSERT_TRUE(publisher.wait_for_subscribers(1, hang_timeout)) << "it does not belong to the other side";
   publisher.publish({.data = 7});
