@@ -98,8 +98,8 @@ void ChunkQueue::close() noexcept {
   port_.unsubscribe();
 }
 
-/// Takes the chunks that have arrived out of the queue, up to the number that iceoryx lets a reader hold. A chunk
-/// in a queue does not tell its size.
+/// Takes the chunks that have arrived out of the queue, up to the number that iceoryx lets a reader hold. The
+/// size of a chunk in a queue is not known.
 void ChunkQueue::keep_arrived() noexcept {
   while (arrived_ > 0 && slots_.out() + kept_.size() < iox::MAX_CHUNKS_HELD_PER_SUBSCRIBER_SIMULTANEOUSLY) {
     iox::mepoo::ChunkHeader* const chunk = get();
