@@ -44,6 +44,21 @@ class ClockSetTest : public PubSubTest {
     return stamp.count() - static_cast<double>(now.tv_sec);
   }
 
+  /// Publishes the same cloud until the subscriber, which takes some samples only, has received three of them
+  /// under each setting of the clock.
+  template <class P, class S>
+  void expect_samples_go_on(P& pub, S& sub) {
+    for (const std::int64_t setting : settings) {
+      set_by_s = setting;
+      for (int i = 0; i < 3; ++i) {
+        EXPECT_TRUE(eventually([&] {
+          pub.publish(PointCloud2{.height = 1});
+          return static_cast<bool>(sub.take());
+        })) << setting;
+      }
+    }
+  }
+
   Node source_ = open("source");
   Node app_ = open("app");
 };
@@ -74,21 +89,6 @@ TEST_P(ClockSetTest, SamplesArriveAndNoDeadlineIsMissed) {
   ASSERT_EQ(status.writers.size(), 1U);
   EXPECT_EQ(status.writers[0].deadlines_missed, 0U);
   EXPECT_EQ(pub.status().deadlines_missed, 0U);
-}
-
-/// Publishes the same cloud until the subscriber, which takes some samples only, has received three of them
-/// under each setting of the clock.
-template <class P, class S>
-void expect_samples_go_on(P& pub, S& sub) {
-  for (const std::int64_t setting : settings) {
-    set_by_s = setting;
-    for (int i = 0; i < 3; ++i) {
-      EXPECT_TRUE(eventually([&] {
-        pub.publish(PointCloud2{.height = 1});
-        return static_cast<bool>(sub.take());
-      })) << setting;
-    }
-  }
 }
 
 TEST_P(ClockSetTest, RatesGoOn) {
