@@ -105,8 +105,8 @@ def test_ctrl_c_ends_a_wait(wait):
     child = subprocess.Popen([sys.executable, "-c", f"""
 import sft
 node = sft.Node("child", transport="udp")
-print("ready", flush=True)
 try:
+    print("ready", flush=True)
     {wait}
 except KeyboardInterrupt:
     print("interrupted")
@@ -124,8 +124,8 @@ def test_ctrl_c_ends_a_program_that_publishes():
 import sft
 node = sft.Node("child", transport="udp")
 publisher = node.publisher("t", "sensor_msgs/Image")
-print("ready", flush=True)
 try:
+    print("ready", flush=True)
     while True:
         publisher.publish(data=bytes(1_000_000))
 except KeyboardInterrupt:
