@@ -75,8 +75,7 @@ bool VanillaInlet::put(const VanillaArrival& arrival) {
   Writer* const writer = writer_of(arrival.writer);
   if (writer == nullptr || !sample) {
     ++counters_.discarded;
-    // Later gaps in the sequence show samples that could not be read, but not those before the first one.
-    if (writer != nullptr && writer->last == 0) ++writer->discarded;
+    if (writer != nullptr) ++(writer->waiting.empty() ? writer->discarded : writer->discarded_behind);
     return false;
   }
   sample->sequence = arrival.sequence == 0 ? writer->last + 1 : arrival.sequence;
@@ -109,7 +108,7 @@ bool VanillaInlet::passes(Writer& writer, SampleBuffer& sample, std::size_t slot
 
 void VanillaInlet::enqueue(Writer& writer, SampleHandle sample) {
   writer.bytes += sample->header().body_bytes;
-  writer.waiting.push_back({std::move(sample), ++arrivals_});
+  writer.waiting.push_back({std::move(sample), ++arrivals_, std::exchange(writer.discarded_behind, 0)});
   while (are_too_many(writer.waiting.size(), writer.bytes)) discard_oldest(writer);
 }
 
@@ -117,7 +116,7 @@ void VanillaInlet::discard_oldest(Writer& writer) {
   writer.bytes -= writer.waiting.front().sample->header().body_bytes;
   writer.waiting.pop_front();
   ++counters_.discarded;
-  if (!writer.was_taken) ++writer.discarded;
+  writer.discarded += 1 + writer.take_discarded_before_next();
 }
 
 SampleHandle VanillaInlet::take() {
@@ -131,7 +130,12 @@ SampleHandle VanillaInlet::take() {
   SampleHandle sample = std::move(first->waiting.front().sample);
   first->waiting.pop_front();
   first->bytes -= sample->header().body_bytes;
-  if (!std::exchange(first->was_taken, true)) counters_.lost_unnoticed += first->discarded;
+  // Gaps in the sequence show what was discarded later, but not what was discarded before the first sample.
+  if (!std::exchange(first->was_taken, true)) {
+    first->lost_before_first = first->discarded;
+    counters_.lost_unnoticed += first->discarded;
+  }
+  first->discarded = first->take_discarded_before_next();
   return sample;
 }
 
@@ -169,8 +173,12 @@ void VanillaInlet::forget_others_than(std::span<const EndpointId> writers) {
     if (is_gone(id) && !writer.waiting.empty()) gone.push_back(&writer);
   }
   discard_surplus(gone);
-  std::erase_if(writers_,
-                [&](const auto& item) { return item.second.waiting.empty() && is_gone(item.first); });
+  std::erase_if(writers_, [&](const auto& item) {
+    const Writer& writer = item.second;
+    if (!writer.waiting.empty() || !is_gone(item.first)) return false;
+    counters_.lost_unnoticed += writer.discarded;  // no later sample shows them
+    return true;
+  });
 }
 
 void VanillaInlet::discard_surplus(std::span<Writer* const> gone) {
@@ -189,7 +197,6 @@ void VanillaInlet::discard_surplus(std::span<Writer* const> gone) {
     const std::uint64_t before = writer.bytes;
     discard_oldest(writer);
     bytes -= before - writer.bytes;
-    if (writer.waiting.empty() && !writer.was_taken) counters_.lost_unnoticed += writer.discarded;
   }
 }
 
@@ -202,7 +209,8 @@ std::uint64_t VanillaInlet::arrivals(EndpointId writer) const {
 std::uint64_t VanillaInlet::lost_before_first(EndpointId writer) const {
   const Lock lock(mutex_);
   const auto found = writers_.find(writer);
-  return found == writers_.end() ? 0 : found->second.discarded;
+  if (found == writers_.end()) return 0;
+  return found->second.was_taken ? found->second.lost_before_first : found->second.discarded;
 }
 
 ReaderPort::Counters VanillaInlet::counters() const {

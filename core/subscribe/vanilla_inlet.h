@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/seam/gate.h"
@@ -54,7 +55,8 @@ class VanillaInlet {
   class Lender;
   struct Waiting {
     SampleHandle sample;
-    std::uint64_t arrival = 0;  ///< its number among the samples of all writers
+    std::uint64_t arrival = 0;           ///< its number among the samples of all writers
+    std::uint64_t discarded_before = 0;  ///< samples between it and the one before it that could not be read
   };
   struct Writer {
     std::unique_ptr<Gate> gate{};  ///< null: all samples are asked for
@@ -63,11 +65,18 @@ class VanillaInlet {
     std::uint64_t last = 0;          ///< the sequence of the last sample that arrived; 0: there was none
     std::int64_t last_stamp_ns = 0;  ///< the stamp of that sample; 0: its writer gave none
     std::uint64_t arrivals = 0;
-    std::uint64_t discarded = 0;  ///< before the first sample was taken
+    std::uint64_t discarded = 0;         ///< since the last sample was taken, before the first one that waits
+    std::uint64_t discarded_behind = 0;  ///< after the last sample that waits
+    std::uint64_t lost_before_first = 0;  ///< the value of `discarded` when the first sample was taken
     bool was_taken = false;
     /// Samples that are missing between those that arrived. It is not known if the gate had let them pass, so
     /// they count as lost: the ordinals of the gate go on by as many.
     std::uint32_t missing = 0;
+
+    /// Returns how many samples were discarded before the first one that waits now, and forgets it.
+    std::uint64_t take_discarded_before_next() {
+      return std::exchange(waiting.empty() ? discarded_behind : waiting.front().discarded_before, 0);
+    }
   };
 
   Writer* writer_of(EndpointId id) SFT_REQUIRES(mutex_);

@@ -422,9 +422,11 @@ TEST_F(IntakeTest, CountsOfWritersThatDepartedRemainInTheSumsAfterTheWritersWere
     over_network({.sequence = 3, .writer = writer});
   }
   EXPECT_EQ(taken().size(), 200U);
+  for (const EndpointId writer : {100, 101, 101}) ++intake->accounts().of(writer).restarts;
   hear(9);
   EXPECT_EQ(status().received, 200U);
   EXPECT_EQ(status().lost, 100U);
+  EXPECT_EQ(status().restarts, 3U);
   EXPECT_EQ(intake->accounts().find(100), nullptr);
 }
 

@@ -171,6 +171,41 @@ TEST_F(SubscriberCoreTest, CountsAreThoseOfAllPortsWhicheverComeAndGo) {
   expect_counts(111, 222, 303);
 }
 
+TEST_F(SubscriberCoreTest, TheAccountOfAWriterHasWhatWasDiscardedBeforeItsFirstSampleAndItsGaps) {
+  SubscriberPorts& ports = subscriber->ports();
+  const auto inlet = std::make_shared<VanillaInlet>(type, 2, 0);
+  ports.set_vanilla(inlet);
+  const auto comes = [&](std::uint64_t sequence) {
+    SampleHandle sample = pool->take(256);
+    sample->header().body_bytes = 1;
+    inlet->put({.writer = 5,
+                .sequence = sequence,
+                .source_stamp_ns = static_cast<std::int64_t>(sequence),
+                .sample = sample});
+  };
+  const auto expect_account = [&](std::uint64_t received, std::uint64_t lost) {
+    const DomainSnapshot::Received account = ports.account_of(5);
+    EXPECT_EQ(account.received, received);
+    EXPECT_EQ(account.lost, lost);
+  };
+  expect_account(0, 0);
+  EXPECT_EQ(ports.arrivals(5), 0U);
+  for (const std::uint64_t sequence : {1, 2, 3}) comes(sequence);
+  EXPECT_EQ(ports.arrivals(5), 3U);
+  expect_account(0, 1);
+  EXPECT_EQ(taken(), (Sequences{2, 3}));
+  expect_account(2, 1);
+  comes(6);
+  EXPECT_EQ(taken(), (Sequences{6}));
+  expect_account(3, 3);
+  EXPECT_EQ(ports.losses(), 2U) << "events report what the gaps show";
+  const SubscriberStatus status = subscriber->feed().status();
+  EXPECT_EQ(status.received, 3U);
+  EXPECT_EQ(status.lost, 3U);
+  EXPECT_EQ(status.discarded, 1U);
+  EXPECT_EQ(ports.account_of(6), DomainSnapshot::Received{});
+}
+
 TEST_F(SubscriberCoreTest, WhatCameBeforeTheMemoryWasLostIsTakenBeforeWhatComesByTheNextPort) {
   const auto next = std::make_shared<MemoryQueue>();
   arrives(*memory, 1);

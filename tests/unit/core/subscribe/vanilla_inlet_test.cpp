@@ -89,6 +89,59 @@ TEST_F(VanillaInletTest, SamplesThatCannotBeReadAreLostIfTheyComeBeforeTheFirstO
   EXPECT_EQ(inlet.counters().lost_unnoticed, 3U) << "the gap in the sequence shows this one";
 }
 
+TEST_F(VanillaInletTest, OnlyWhatIsDiscardedBeforeTheFirstSampleIsLostUnnoticed) {
+  for (std::uint64_t i = 1; i <= 5; ++i) EXPECT_TRUE(comes(i));
+  EXPECT_EQ(inlet.lost_before_first(1), 2U) << "it is known before anything is taken";
+  EXPECT_EQ(inlet.counters().lost_unnoticed, 0U);
+  EXPECT_EQ(inlet.take()->sequence, 3U);
+  for (std::uint64_t i = 6; i <= 9; ++i) EXPECT_TRUE(comes(i));
+  EXPECT_THAT(taken(), ElementsAre(7, 8, 9));
+  EXPECT_EQ(inlet.counters().discarded, 5U);
+  EXPECT_EQ(inlet.counters().lost_unnoticed, 2U) << "the gap in the sequence shows the later ones";
+  EXPECT_EQ(inlet.lost_before_first(1), 2U);
+  EXPECT_EQ(inlet.lost_before_first(2), 0U);
+}
+
+TEST_F(VanillaInletTest, WhatCannotBeReadBetweenSamplesThatAreDiscardedIsLostWithThem) {
+  EXPECT_TRUE(comes(1));
+  EXPECT_FALSE(inlet.put({.writer = 1, .sequence = 2}));
+  for (std::uint64_t i = 3; i <= 5; ++i) EXPECT_TRUE(comes(i));
+  EXPECT_THAT(taken(), ElementsAre(3, 4, 5));
+  EXPECT_EQ(inlet.counters().discarded, 2U);
+  EXPECT_EQ(inlet.counters().lost_unnoticed, 2U);
+}
+
+TEST_F(VanillaInletTest, WhatNoLaterSampleOfAWriterThatHasGoneShowsIsLost) {
+  EXPECT_FALSE(inlet.put({.writer = 1, .sequence = 1})) << "nothing else comes of it";
+  EXPECT_TRUE(comes(1, 2));
+  EXPECT_THAT(taken(), ElementsAre(1));
+  EXPECT_FALSE(inlet.put({.writer = 2, .sequence = 2}));
+  EXPECT_TRUE(comes(1, 3));
+  EXPECT_FALSE(inlet.put({.writer = 3, .sequence = 2}));
+  EXPECT_EQ(inlet.counters().lost_unnoticed, 0U);
+  inlet.forget_others_than({});
+  EXPECT_EQ(inlet.counters().lost_unnoticed, 2U);
+  EXPECT_THAT(taken(), ElementsAre(1));
+  inlet.forget_others_than({});
+  EXPECT_EQ(inlet.counters().lost_unnoticed, 3U);
+  EXPECT_EQ(inlet.counters().discarded, 3U);
+  inlet.forget_others_than({});
+  EXPECT_EQ(inlet.counters().lost_unnoticed, 3U) << "it counts once";
+}
+
+TEST_F(VanillaInletTest, WhatIsDiscardedOfAWriterThatHasGoneAfterItsFirstSampleWasTakenIsLost) {
+  EXPECT_TRUE(comes(1, 1));
+  EXPECT_THAT(taken(), ElementsAre(1));
+  EXPECT_TRUE(comes(2, 1));
+  for (std::uint64_t i = 11; i <= 13; ++i) EXPECT_TRUE(comes(i, 2));
+  inlet.forget_others_than({});
+  EXPECT_EQ(inlet.counters().discarded, 1U) << "three wait of all";
+  EXPECT_EQ(inlet.counters().lost_unnoticed, 1U);
+  EXPECT_THAT(taken(), ElementsAre(11, 12, 13));
+  inlet.forget_others_than({});
+  EXPECT_EQ(inlet.counters().lost_unnoticed, 1U);
+}
+
 class VanillaInletBytesTest : public VanillaInletTest {
  protected:
   VanillaInletBytesTest() : VanillaInletTest(100, 2500) {}
@@ -123,6 +176,8 @@ TEST_F(VanillaInletTest, WhatCameToAnEarlierReaderDoesNotComeAgain) {
   EXPECT_FALSE(comes(2));
   EXPECT_TRUE(comes(3));
   EXPECT_THAT(taken(), ElementsAre(1, 2, 3));
+  EXPECT_EQ(inlet.arrivals(1), 3U);
+  EXPECT_EQ(inlet.counters().discarded, 0U);
 }
 
 TEST_F(VanillaInletTest, AWriterThatRestartsUnderItsOldNameIsHeardFromItsFirstSample) {
@@ -239,6 +294,27 @@ TEST_F(VanillaInletTest, WritersBeyondTheLimitAreRefused) {
   for (EndpointId writer = 1; writer <= VanillaInlet::writers_max; ++writer) comes(1, writer);
   EXPECT_FALSE(comes(1, VanillaInlet::writers_max + 1));
   EXPECT_EQ(inlet.counters().discarded, 1U);
+  while (inlet.take()) {
+  }
+  inlet.forget_others_than(std::vector<EndpointId>{1});
+  EXPECT_TRUE(comes(2, VanillaInlet::writers_max + 1)) << "there is room again";
+  EXPECT_TRUE(comes(2, 1));
+  EXPECT_THAT(taken(), ElementsAre(2, 2));
+  EXPECT_EQ(inlet.counters().lost_unnoticed, 0U);
+}
+
+TEST_F(VanillaInletTest, TheSameConditionsThatAreAskedForAgainDoNotBeginAnewButOthersDo) {
+  ask("@ changed(height)");
+  EXPECT_TRUE(comes(1, 1, 10));
+  ask("width @ changed(height)");
+  EXPECT_FALSE(comes(2, 1, 10)) << "only the fields differ";
+  ask("@ changed(height)", 1);
+  EXPECT_TRUE(comes(3, 1, 10)) << "the maximum rate differs";
+  ask("*");
+  EXPECT_TRUE(comes(4, 1, 10));
+  std::vector<std::uint64_t> gates;
+  while (const SampleHandle sample = inlet.take()) gates.push_back(sample->gate == 0 ? 0 : 1);
+  EXPECT_THAT(gates, ElementsAre(1, 1, 0));
 }
 
 }  // namespace
