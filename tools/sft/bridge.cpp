@@ -303,8 +303,12 @@ Result<void> prioritize(std::vector<BridgeRule>& rules, const std::vector<std::s
     const char* const end = text.data() + text.size();
     const char* const number = text.data() + std::min(equals + 1, text.size());
     const auto [rest, fault] = std::from_chars(number, end, priority);
-    if (fault != std::errc() || rest != end || number == end)
-      return fail(Errc::invalid_argument, "'" + text + "' is no priority: write TOPIC=NUMBER");
+    const bool is_number = fault == std::errc() && rest == end && number != end;
+    if (!is_number || priority < -bridge_priority_most || priority > bridge_priority_most) {
+      return fail(Errc::invalid_argument,
+                  fmt::format("'{}' is no priority: write TOPIC=NUMBER, with a number from -{} to {}", text,
+                              bridge_priority_most, bridge_priority_most));
+    }
     bool is_used = false;
     for (BridgeRule& rule : rules) {
       if (rule.topic != topic) continue;

@@ -18,7 +18,6 @@ namespace sft::tool {
 namespace {
 
 constexpr double bytes_of_mbit = 125'000;
-constexpr std::int64_t priority_most = 100;
 
 /// The first mistake in the file. Further mistakes are not reported.
 class Mistake {
@@ -95,7 +94,9 @@ void read_side(const toml::table& table, Mistake& mistake, BridgeSide& side) {
   keys.read("peers", "[\"10.0.0.7\"]", side.node.discovery.peers);
   keys.read("cyclonedds", "\"file:///etc/cyclonedds.xml\"", cyclonedds);
   keys.read("limit_mbit", "20.0", limit_mbit);
-  if (domain < -1 || domain > static_cast<std::int64_t>(NodeOptions::domain_max)) keys.wrong("domain", "0");
+  const bool has_domain = table.contains("domain");
+  if (has_domain && (domain < 0 || domain > static_cast<std::int64_t>(NodeOptions::domain_max)))
+    keys.wrong("domain", "0");
   if (domain >= 0) side.node.domain = static_cast<std::uint32_t>(domain);
   side.node.vanilla_dds = vanilla_choice_of(dds);
   if (!dds.empty() && !side.node.vanilla_dds) keys.wrong("dds", "\"auto\", or \"always\" or \"never\"");
@@ -115,7 +116,7 @@ void read_rule(const toml::table& table, Mistake& mistake, std::vector<BridgeRul
     keys.read("priority", "1", priority);
     keys.read("reliable", "true", options.reliable);
     if (text.empty()) keys.wrong("rule", "\"points -> robot/points\"");
-    if (priority < -priority_most || priority > priority_most) keys.wrong("priority", "1");
+    if (priority < -bridge_priority_most || priority > bridge_priority_most) keys.wrong("priority", "1");
   }
   options.priority = static_cast<std::int8_t>(priority);
   const Result<std::vector<BridgeRule>> ways = parse_bridge_rule(text, options);

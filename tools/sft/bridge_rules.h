@@ -11,12 +11,16 @@
 #include <sft/result.h>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace sft::tool {
+
+/// The greatest and, with a minus, the smallest priority of a rule.
+inline constexpr std::int8_t bridge_priority_most = 100;
 
 /// The options of a rule, without its topic and its direction.
 struct BridgeRuleOptions {

@@ -100,10 +100,6 @@ bool Session::wait_until(const std::function<bool(const DomainSnapshot&)>& enoug
   }
 }
 
-std::string Session::plain_name(std::string_view topic) {
-  return std::string(topic.starts_with('/') ? topic.substr(1) : topic);
-}
-
 std::optional<std::string> Session::known_name(std::string_view topic, const DomainSnapshot& domain) {
   const std::string plain = plain_name(topic);
   const std::string given(topic);

@@ -46,7 +46,9 @@ class Session {
   }
 
   /// Returns the name without a leading slash, because the slash has no meaning.
-  static std::string plain_name(std::string_view topic);
+  static std::string plain_name(std::string_view topic) {
+    return std::string(topic.starts_with('/') ? topic.substr(1) : topic);
+  }
   /// Returns the name under which nodes announce a topic that the user has written with or without a leading
   /// slash. Returns nothing while no node publishes or subscribes to the topic.
   static std::optional<std::string> known_name(std::string_view topic, const DomainSnapshot& domain);

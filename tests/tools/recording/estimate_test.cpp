@@ -43,6 +43,8 @@ TEST_F(EstimateTest, TheBytesOfAllFieldsAreThoseOfTheBody) {
   EXPECT_EQ(fields.front().path, "cell_voltage");
   EXPECT_EQ(fields.front().bytes, 16U);
   EXPECT_EQ(all.selected_bytes(), all.bytes());
+  EXPECT_EQ(all.samples(), 1U);
+  EXPECT_EQ(all.selected_samples(), 1U);
 }
 
 TEST_F(EstimateTest, ASelectionCountsWhatAPublisherWouldSend) {
@@ -57,6 +59,16 @@ TEST_F(EstimateTest, ARateCountsOneSampleAPeriod) {
   TopicEstimate some = estimate("voltage @ at most 1 Hz");
   for (std::uint64_t i = 0; i < 30; ++i) ASSERT_TRUE(some.add(battery(12), i * 100'000'000));
   EXPECT_EQ(some.selected_samples(), 3U);
+  EXPECT_EQ(some.samples(), 30U);
+  EXPECT_GT(some.bytes(), 10 * some.selected_bytes());
+}
+
+TEST_F(EstimateTest, WhatTheRateWithholdsIsNoSampleWithWhichTheNextOneIsCompared) {
+  TopicEstimate some = estimate("voltage @ changed 10% at most 1 Hz");
+  ASSERT_TRUE(some.add(battery(12), 0));
+  ASSERT_TRUE(some.add(battery(14), 500'000'000));
+  ASSERT_TRUE(some.add(battery(14), 1'000'000'000)) << "it differs from the first one";
+  EXPECT_EQ(some.selected_samples(), 2U);
 }
 
 TEST_F(EstimateTest, BytesThatDoNotFitAreRefused) {
@@ -66,6 +78,10 @@ TEST_F(EstimateTest, BytesThatDoNotFitAreRefused) {
   EXPECT_FALSE(all.add(cdr, 1));
   EXPECT_FALSE(all.add({}, 1));
   EXPECT_EQ(all.samples(), 0U);
+  EXPECT_EQ(all.bytes(), 0U);
+  EXPECT_EQ(all.selected_samples(), 0U);
+  EXPECT_EQ(all.selected_bytes(), 0U);
+  EXPECT_TRUE(all.fields().empty());
 }
 
 }  // namespace

@@ -145,6 +145,28 @@ TEST_F(BridgeTest, PartsOfAMessageAreAWholeMessageOnTheOtherSideWithTheTimeOfThe
   EXPECT_THAT(ended.out, HasSubstr("1 sample carried"));
 }
 
+TEST_F(BridgeTest, CountsAreThoseOfTheirRuleAndItsMessages) {
+  Node here = open(41), there = open(42);
+  auto numbers = here.publisher<UInt32>("numbers", {.reliability = reliable}).value();
+  auto back = there.publisher<UInt32>("back", {.reliability = reliable}).value();
+  Listener heard(there, "robot/numbers", {.reliability = reliable}),
+      heard_back(here, "back", {.reliability = reliable});
+  const Bridge work = bridge(41, 42, {"numbers -> robot/numbers", "back <- back", "nobody", "--json"});
+  ASSERT_TRUE(numbers.wait_for_subscribers(1, hang_timeout) && back.wait_for_subscribers(1, hang_timeout));
+  for (const std::uint32_t number : {1U, 2U, 3U}) numbers.publish({.data = number});
+  back.publish({.data = 4});
+  ASSERT_TRUE(heard.has(3) && heard_back.has(4));
+  const Ended ended = end(work);
+  const Json summary = Json::parse(ended.out.substr(ended.out.rfind("{\"rules\"")));
+  const auto counts = [](const char* rule, const char* from, int carried) {
+    return Json{{"rule", rule},         {"from", from}, {"carried", carried},
+                {"bytes", 8 * carried}, {"lost", 0},    {"refused", 0}};
+  };
+  EXPECT_EQ(summary["rules"],
+            Json::array({counts("numbers -> robot/numbers", "domain 41", 3),
+                         counts("back <- back", "domain 42", 1), counts("nobody", "domain 41", 0)}));
+}
+
 TEST_F(BridgeTest, SamplesThatWereLostOnTheWayToTheBridgeAreCounted) {
   NodeOptions options{.name = "robot", .domain = 41, .transport = TransportChoice::udp};
   options.udp.memory_limit_bytes = 4 << 20;
@@ -270,6 +292,8 @@ TEST_F(BridgeTest, RulesThatCannotWorkAreRefusedInASentence) {
       {{"--from", "5", "--to", "6", "points{data{x -> robot/points"}, "a brace is not closed"},
       {{"--from", "5", "--to", "6", "points{data{x}, width}[::4] -> p"}, "for a single field"},
       {{"--from", "5", "--to", "6", "points", "--priority", "points=high"}, "write TOPIC=NUMBER"},
+      {{"--from", "5", "--to", "6", "points", "--priority", "points=101"}, "a number from -100 to 100"},
+      {{"--from", "5", "--to", "6", "points", "--priority", "points=-101"}, "a number from -100 to 100"},
       {{"--from", "5", "--to", "6", "points", "--priority", "imu=1"}, "no rule has the topic 'imu'"},
       {{"-f", file, "chatter"}, "bridge.toml:5: 'radio' is no key here; there are name, domain"}};
   for (Wrong one : wrong) {
@@ -327,10 +351,13 @@ TEST_F(BridgeTest, ATopicWithoutARuleOrAReaderIsNotSubscribedTo) {
 TEST_F(BridgeTest, ARuleThatMeetsNothingIsNamedWithTheNearestTopic) {
   Node here = open(41);
   auto publisher = here.publisher<UInt32>("points").value();
-  const Bridge work = bridge(41, 42, {"point -> robot/points"});
-  ASSERT_TRUE(
-      work->says("rule 'point -> robot/points': topic 'point' has no publisher on side 'domain 41' yet"));
-  EXPECT_THAT(end(work).err, HasSubstr("points"));
+  const std::string sentence = "topic 'point' has no publisher on side 'domain 41' yet";
+  const Bridge work = bridge(41, 42, {"point -> robot/points", "--json"});
+  ASSERT_TRUE(work->says("rule 'point -> robot/points': " + sentence));
+  ASSERT_TRUE(work->prints("{\"time_s\":7."));
+  const std::string said = end(work).err;
+  EXPECT_THAT(said, HasSubstr("points"));
+  EXPECT_EQ(said.find(sentence), said.rfind(sentence)) << "it is named once";
 }
 
 TEST_F(BridgeTest, PatternsCarryTheTopicsOfANamespaceIntoAnother) {
