@@ -37,7 +37,7 @@ void McapReader::check_place(const Place& place, std::map<std::uint16_t, std::ui
     if (opcode == Opcode::schema || opcode == Opcode::channel) scan_content(opcode, place.offset, content);
     if (opcode != Opcode::message) return;
     if (!read_message(content, message)) return add_fault(label + ": a message in it ends early");
-    if (!channels_.contains(message.channel)) add_fault(label + ": a message in it is of no known channel");
+    if (!knows(message.channel)) add_fault(label + ": a message in it is of no known channel");
     ++messages;
     ++counted[message.channel];
     first = std::min(first, message.log_ns);

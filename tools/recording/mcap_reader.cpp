@@ -315,6 +315,24 @@ std::optional<Bytes> McapReader::bytes_of_place(const Place& place) {
   return std::nullopt;
 }
 
+/// Returns true if a record says what the channel is. The places are read in the order of their times. In a
+/// file without a summary, the record may be in a place of later times. So when a channel is not known, the
+/// records of all places are read, once.
+bool McapReader::knows(std::uint16_t channel) {
+  if (channels_.contains(channel)) return true;
+  if (std::exchange(has_all_definitions_, true)) return false;
+  for (const Place& place : found_.places) {
+    const std::optional<Bytes> bytes = is_stopped() ? std::nullopt : bytes_of_place(place);
+    if (!bytes) continue;
+    const auto record = [&](Opcode opcode, std::span<const std::byte> content, std::uint64_t offset) {
+      if (opcode == Opcode::schema || opcode == Opcode::channel)
+        scan_content(opcode, place.is_chunk ? place.offset : place.offset + offset, content);
+    };
+    walk(*bytes, {record, [](std::uint64_t, const std::string&) {}});
+  }
+  return channels_.contains(channel);
+}
+
 std::optional<Block> McapReader::opened(const Place& place) {
   std::optional<Bytes> bytes = bytes_of_place(place);
   if (!bytes) return std::nullopt;
@@ -327,7 +345,7 @@ std::optional<Block> McapReader::opened(const Place& place) {
       if (!read_message(content, message)) {
         add_fault(name(Opcode::chunk, place.offset) + ": a message at " + std::to_string(offset) +
                   " in it ends early");
-      } else if (!channels_.contains(message.channel)) {
+      } else if (!knows(message.channel)) {
         add_fault("channel " + std::to_string(message.channel) +
                   " has messages, but no record that says what it is; they are left out");
       } else if (message.log_ns >= from_ns_ && (!only_ || only_->contains(message.channel))) {

@@ -81,6 +81,7 @@ class McapReader final : public Recording {
   void go_on_by_index();
   std::string name(Opcode opcode, std::uint64_t offset) const;
 
+  bool knows(std::uint16_t channel);
   std::optional<Bytes> bytes_of_place(const Place& place);
   std::optional<Block> opened(const Place& place);
   void open_due_blocks();
@@ -99,6 +100,7 @@ class McapReader final : public Recording {
   Overview overview_{};
   bool is_counted_ = false;
   std::uint64_t definition_bytes_ = 0;  ///< the size of all schemas and channels
+  bool has_all_definitions_ = false;    ///< true: the definitions of all places were read
 
   // The state of next().
   std::list<Block> open_{};
