@@ -100,7 +100,9 @@ TEST_F(BridgeRoutesTest, AloneABridgeCarriesAtOnceButOnlyAfterItHasHadTimeToFind
   EXPECT_EQ(verdict(100s), Verdict::settles) << "the route was not announced";
   announce(500ms, {route(1, 0)});
   EXPECT_EQ(verdict(1499ms), Verdict::settles);
-  EXPECT_EQ(verdict(1500ms), Verdict::holds) << "a second after the announcement";
+  announce(1400ms, {route(1, 0), route(1, 0, 8)});
+  EXPECT_EQ(verdict(1500ms), Verdict::holds) << "a second after its first announcement";
+  EXPECT_EQ(routes.verdict({.origin = 8}, "t", begin + 1500ms), Verdict::settles);
   announce(2s, {});
   EXPECT_EQ(verdict(2s), Verdict::settles) << "it was taken back";
   announce(2s, {route(1, 0)});

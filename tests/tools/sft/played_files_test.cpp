@@ -84,11 +84,16 @@ TEST_F(PlayedFilesTest, NoMoreThan64MebibytesAreReadAheadAndWhatWasTakenIsRoomFo
   constexpr std::size_t count = 24, bytes = std::size_t{8} << 20, ahead = 8;
   std::vector<std::uint64_t> times(count);
   auto listed = std::make_unique<ListedRecording>(times, bytes);
-  const ListedRecording& file = *listed;
+  ListedRecording& file = *listed;
   std::vector<std::unique_ptr<recording::Recording>> files;
   files.push_back(std::move(listed));
   PlayedFiles played(std::move(files));
-  played.start(0, std::vector<std::set<std::uint16_t>>(1));
+  const std::vector<std::set<std::uint16_t>> only(1);
+  played.start(0, only);
+  ASSERT_TRUE(test::eventually([&] { return file.given >= ahead; }));
+  played.stop();
+  file.given = 0;
+  played.start(0, only);
   for (std::size_t taken = 0; taken < count; ++taken) {
     // Without room for more, the thread would stop, and next() would wait for ever.
     ASSERT_TRUE(test::eventually([&] { return file.given >= std::min(taken + ahead / 2, count); }));

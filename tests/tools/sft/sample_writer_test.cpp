@@ -139,6 +139,19 @@ TEST_F(SampleWriterTest, EachWindowHasItsFileOnceTheTimeOfTheLastOneIsOver) {
   EXPECT_THAT(seconds_in("run_2.mcap"), ::testing::ElementsAre(18, 20));
 }
 
+TEST_F(SampleWriterTest, TriggersThatFollowEachOtherWriteEachSampleOnceAndIntoOneFile) {
+  SampleWriter writer({.path = path(), .window = 10s});
+  const std::size_t channel = add_channel(writer);
+  for (const std::uint64_t time : {10, 12, 14, 15}) {
+    EXPECT_TRUE(put(writer, channel, time * second));
+    writer.trigger(time * second);
+  }
+  const SampleWriter::Status status = end(writer);
+  EXPECT_EQ(status.samples, 4U);
+  EXPECT_EQ(status.files.size(), 1U);
+  EXPECT_THAT(seconds_in("run_0.mcap"), ::testing::ElementsAre(10, 12, 14, 15));
+}
+
 TEST_F(SampleWriterTest, AFileThatIsSplitByTimeEndsBeforeItsTimeIsOverAndAllAreCounted) {
   SampleWriter writer({.path = path(), .split_time = 10s});
   const std::size_t channel = add_channel(writer);

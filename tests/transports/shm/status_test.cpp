@@ -140,16 +140,27 @@ TEST_F(SftdCommands, KeepNothingOfPublishersThatAreGone) {
   EXPECT_LT(own_kib(daemon.pid()), before + 1500) << "a quarter of a kilobyte of each is noise";
 }
 
-TEST_F(SftdCommands, CountDeadPrograms) {
+TEST_F(SftdCommands, CountDeadProgramsAndNoneThatHaveEnded) {
   Process daemon = start_sftd();
-  Process victim = start_peer({"publish", "1", "100"});
-  ASSERT_EQ(victim.line(), "publishing");
   // Keeps the daemon from restarting, as a daemon without programs does.
   Process witness = start_peer({"attend"});
   ASSERT_EQ(witness.line(), "ready");
+  const auto has_users = [](std::size_t users) {
+    return status_becomes([users](const Status& status) { return status.usage.users.size() == users; });
+  };
+  {
+    Node node(no_daemon());
+    ASSERT_TRUE(node.becomes_ready()) << node->description();
+    ASSERT_TRUE(has_users(2));
+  }
+  ASSERT_TRUE(has_users(1));
+  EXPECT_EQ(status_now().usage.deaths, 0U);
+  Process victim = start_peer({"publish", "1", "100"});
+  ASSERT_EQ(victim.line(), "publishing");
   victim.kill();
-  EXPECT_TRUE(status_becomes(
-      [](const Status& status) { return status.usage.deaths == 1 && status.usage.users.size() == 1; }));
+  EXPECT_TRUE(status_becomes([](const Status& status) {
+    return status.usage.deaths == 1 && status.usage.users.size() == 1 && status.usage.unaudited == 0;
+  }));
 }
 
 TEST_F(SftdCommands, CountTheLocksThatKilledProgramsLeftClosed) {

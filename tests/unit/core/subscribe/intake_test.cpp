@@ -104,6 +104,8 @@ TEST_F(IntakeTest, ASampleThatBothPathsBringIsTakenOnce) {
   EXPECT_THAT(taken(), ElementsAre(1, 2, 3));
   EXPECT_EQ(status().received, 3U);
   EXPECT_EQ(status().lost, 0U);
+  EXPECT_EQ(status().withheld, 0U);
+  EXPECT_EQ(status().expired, 0U) << "what came twice was dropped for another reason";
 }
 
 TEST_F(IntakeTest, EveryDropOfASampleIsADecisionAfterWhichTheInletsAreFilledAnew) {
@@ -192,6 +194,15 @@ TEST_F(IntakeTest, WhatWasDivertedBeforeTheWriterWasHeardIsNotWaitedFor) {
   in_memory({.sequence = 2, .diverted = 1, .diverted_ns = 9});
   EXPECT_THAT(taken(), ElementsAre(2));
   EXPECT_EQ(status().lost, 0U);
+}
+
+TEST_F(IntakeTest, WhatWasDivertedSinceTheWriterWasHeardIsWaitedForHoweverOftenItIsHeard) {
+  now_ns = 10;
+  hear(9);
+  now_ns = 100;
+  hear(9);
+  in_memory({.sequence = 2, .diverted = 1, .diverted_ns = 50});
+  EXPECT_EQ(decide(), Decision::ask_connected);
 }
 
 TEST_F(IntakeTest, ADivertedSampleThatTheMaximumRateDoesNotAllowIsNotWaitedFor) {
@@ -319,6 +330,7 @@ TEST_F(IntakeTest, TheMaximumRateWithholdsSamplesInSharedMemoryAndNoneThatItsWri
   EXPECT_EQ(taken().size(), 10U);
   EXPECT_EQ(status().withheld, 9U);
   EXPECT_EQ(status().lost, 0U);
+  EXPECT_EQ(status().expired, 0U);
 }
 
 TEST_F(IntakeTest, AMaximumRateThatIsAskedForLaterHoldsForWritersThatAreHeardAndForNewOnes) {
@@ -435,6 +447,7 @@ TEST_F(IntakeTest, TheCountsOfAWriterThatIsHeardAgainAfterItWasGoneGoOn) {
   for (const std::uint64_t sequence : {1, 4}) over_network({.sequence = sequence, .writer = 9});
   EXPECT_EQ(taken().size(), 2U);
   intake->accounts().keeps_promises(9, 5, false);
+  ++intake->accounts().of(9).restarts;
   hear(8);
   over_network({.sequence = 5, .writer = 9});
   EXPECT_EQ(taken().size(), 1U) << "its last samples can still be taken";
@@ -445,6 +458,7 @@ TEST_F(IntakeTest, TheCountsOfAWriterThatIsHeardAgainAfterItWasGoneGoOn) {
   EXPECT_EQ(again.writers.at(0).received, 4U);
   EXPECT_EQ(again.writers.at(0).lost, 3U);
   EXPECT_EQ(again.writers.at(0).deadlines_missed, 5U);
+  EXPECT_EQ(again.writers.at(0).restarts, 1U);
   EXPECT_EQ(again.received, 4U);
   EXPECT_EQ(again.lost, 3U);
 }

@@ -88,6 +88,13 @@ TEST_F(SubscriberCoreTest, RemembersAFewOfItsFormerRequestsHoweverManyItMakes) {
   EXPECT_EQ(subscriber->feed().status().requests, sequence);
 }
 
+TEST_F(SubscriberCoreTest, ARequestOfWhichOnlyTheNumberChangesAsksForTheSame) {
+  const Selection before = subscriber->feed().status().selection;
+  subscriber->ports().requests(nullptr, 7);
+  EXPECT_EQ(subscriber->feed().status().requests, 7U);
+  EXPECT_EQ(subscriber->feed().status().selection, before);
+}
+
 TEST_F(SubscriberCoreTest, SamplesOfBothPathsComeInTheOrderOfTheirWriter) {
   arrives(*network, 1);
   arrives(*memory, 2);
