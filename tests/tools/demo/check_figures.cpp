@@ -10,6 +10,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -34,11 +35,11 @@ void expect(bool condition, const std::string& what) {
   ++failures;
 }
 
-const json& subscriber(const json& run, const std::string& name) {
+const json& subscriber(const json& run, std::string_view name) {
   for (const json& s : run.at("subscribers")) {
     if (s.at("name") == name) return s;
   }
-  throw std::runtime_error("there is no subscriber " + name);
+  throw std::runtime_error("there is no subscriber " + std::string(name));
 }
 
 void check_common(const json& s, std::uint64_t samples, double full_bytes, const std::string& requirement) {
