@@ -38,6 +38,24 @@ TEST_F(Restarts, AReaderThatIsKilledAndStartedAnewGetsNothingOfTheMaskOfTheOneBe
   EXPECT_EQ(taken_of(*publisher, *after)["masks"].size(), 1) << taken_of(*publisher, *after);
 }
 
+TEST_F(Restarts, ASuccessorWithTheSameMaskMissesNothingWhenTheLeaseOfTheKilledReaderEnds) {
+  const auto publisher = start(here(), "publisher");
+  publisher->advertise();
+  const auto before = start(there(), "before");
+  before->subscribe("data");
+  publisher->start_publishing();
+  ASSERT_TRUE(agree(*publisher, *before));
+  before->kill_now();
+  const auto after = start(there(), "after");
+  after->subscribe("data");
+  ASSERT_TRUE(agree(*publisher, *after));
+  EXPECT_TRUE(is_served(*publisher, *before)) << "too late to see anything";
+  EXPECT_TRUE(comes_true([&] { return !is_served(*publisher, *before); }));
+  publisher->stop_publishing();
+  EXPECT_TRUE(accounts_for_all(*publisher, *after));
+  EXPECT_EQ(writer_of(*publisher, *after)["lost"], 0) << taken_of(*publisher, *after);
+}
+
 TEST_F(Restarts, AReaderWithTheMaskOfTheOneBeforeTakesEachSampleOnce) {
   const auto publisher = start(here(), "publisher");
   publisher->advertise();
