@@ -173,12 +173,13 @@ void VanillaInlet::forget_others_than(std::span<const EndpointId> writers) {
     if (is_gone(id) && !writer.waiting.empty()) gone.push_back(&writer);
   }
   discard_surplus(gone);
-  std::erase_if(writers_, [&](const auto& item) {
-    const Writer& writer = item.second;
-    if (!writer.waiting.empty() || !is_gone(item.first)) return false;
+  for (auto next = writers_.begin(); next != writers_.end();) {
+    const auto here = next++;
+    const Writer& writer = here->second;
+    if (!writer.waiting.empty() || !is_gone(here->first)) continue;
     counters_.lost_unnoticed += writer.discarded;  // no later sample shows them
-    return true;
-  });
+    writers_.erase(here);
+  }
 }
 
 void VanillaInlet::discard_surplus(std::span<Writer* const> gone) {
