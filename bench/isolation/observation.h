@@ -13,8 +13,8 @@ inline constexpr std::size_t local_readers = 3;
 inline constexpr std::size_t remote_reader = local_readers;  ///< the index of the remote reader
 inline constexpr std::size_t messages_max = 8192;
 
-/// The notes of all processes of a run, in memory that they share. Arrays are indexed by the number of a
-/// message, from 1.
+/// What the processes of a run have measured, and the flags by which they start together, in memory that all
+/// of them share. Arrays are indexed by the number of a message, from 1.
 struct Board {
   /// Number of processes that are matched, without the remote reader.
   std::atomic<std::size_t> ready{0};

@@ -19,7 +19,7 @@ namespace sft::bench::peers {
 
 namespace {
 
-/// Opens the contender for the entrant's way, which must have readers.
+/// Opens the contender that the entrant measures. REQUIRES: this contender has readers.
 std::unique_ptr<Peer> open(const Trial& trial) {
   const Contender sft = trial.of.where == Where::one_host ? sft_memory_peer : sft_peer;
   const Contender contenders[] = {sft,

@@ -29,8 +29,8 @@ LinkSpec link_at(const HostInterface& interface, bool reaches_own_host) {
           interface.loopback, reaches_own_host, interface.index};
 }
 
-/// Returns true if a link already has an address in the network of this one. By a second address in the
-/// same network, all nodes would be found twice.
+/// Returns true if one of the links is on the same interface, in the same network as this address. With a
+/// second link in one network, each node would be found twice.
 bool cover(std::span<const LinkSpec> links, const HostInterface& interface) {
   return std::ranges::any_of(links, [&](const LinkSpec& link) {
     return link.interface == interface.name &&

@@ -2,9 +2,9 @@
 // process that are notified of these endpoints. A node is notified of the endpoints that may match its own:
 // those with the other role and the same topic. A node that has called hear_all() for a role is notified of
 // all endpoints of that role. An endpoint id belongs to the process that announced it first, until that
-// process withdraws it or is lost. Meanwhile other processes cannot announce or change it. Uses no
-// clock, thread or I/O: what nodes are notified of is kept for them. An object must be used by only one
-// thread at a time.
+// process withdraws it or is lost. Meanwhile other processes cannot announce or change it. The
+// directory uses no clock, thread or I/O: it keeps the events of each node until the node takes them. An
+// object must be used by only one thread at a time.
 #pragma once
 
 #include <cstddef>

@@ -27,9 +27,10 @@ class LocalReader {
  public:
   struct Parts {
     std::shared_ptr<SubscriberCore> core;
-    std::shared_ptr<NetworkReader> network;  ///< null if the reader must not use UDP; must already accept the
-                                             ///< first request
-    std::size_t selection = 0;               ///< the number of the selection that this reader serves
+    /// The port for UDP, which must accept the first request already, since datagrams may arrive as soon as
+    /// the request is announced; null if the reader must not use UDP.
+    std::shared_ptr<NetworkReader> network;
+    std::size_t selection = 0;  ///< the number of the selection that this reader serves
   };
   /// `node` must outlive this object. `endpoint` is the endpoint that is added to the negotiation.
   LocalReader(NodeContext& node, const Endpoint& endpoint, Parts parts);

@@ -37,7 +37,7 @@ class LateReaders {
   /// Sends the history to late readers in shared memory that are attached and wait for it. Must be called
   /// now and then.
   void give_history();
-  /// Returns true if all samples that were sent to that reader alone have left this process.
+  /// Returns true if all retained samples that were sent to this late reader by UDP have left this process.
   bool history_sent(EndpointId reader) const { return network_ == nullptr || network_->history_sent(reader); }
 
   /// Returns the number of retained samples that were not sent, because shared memory had no free memory

@@ -122,7 +122,7 @@ class PublisherCore {
   /// Sets the missed deadlines and the liveliness that status() reports. Returns true if one of them has
   /// changed.
   bool keeps_promises(std::uint64_t deadlines_missed, bool alive);
-  /// Returns true if all samples that were sent to that late reader alone have left this process.
+  /// Returns true if all retained samples that were sent to this late reader by UDP have left this process.
   bool history_sent(EndpointId reader) const { return late_readers_.history_sent(reader); }
   bool retains() const { return history_ != nullptr; }
   void expire_history();

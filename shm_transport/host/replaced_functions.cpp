@@ -9,8 +9,9 @@
 
 #include "shm_transport/host/iceoryx.h"
 
-// An exchange increments the count of the head that it replaces. A thread that gets a chunk sees all writes
-// to the list that were made before the chunk was given back.
+// The list of free chunks: each exchange of the head increments the count (abaCounter) of the head that it
+// replaces, and not the count of an attempt that has failed. A thread that takes a chunk sees all writes to
+// the list that were made before the chunk was given back.
 namespace iox::concurrent {
 
 bool LoFFLi::pop(Index_t& index) noexcept {

@@ -53,7 +53,8 @@ class ChunkAuditor {
     std::vector<std::int64_t> overcount;  ///< by pool: the result of PoolLayout::overcount()
   };
   using InHandCounts = std::vector<std::uint32_t>;
-  using ChunkMarks = std::vector<std::vector<bool>>;  ///< true or false, by pool and index
+  /// By pool and index of the chunk: true if the chunk is free or has an owner. The others are lost.
+  using ChunkMarks = std::vector<std::vector<bool>>;
   struct Look {
     Finding finding;
     Lost lost{};

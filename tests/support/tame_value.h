@@ -10,7 +10,8 @@
 
 namespace sft::test {
 
-/// Changes a value to one that JSON can represent: makes texts ASCII, and replaces each NaN by the usual NaN.
+/// Changes a value to one that JSON can represent: makes texts ASCII, and replaces each NaN by the quiet NaN
+/// `NAN`, because JSON keeps neither the sign nor the payload of a NaN.
 inline void tame(const StructType& type, void* object) {
   for (const StructType::Member& m : type.members) {
     const Elements values = elements_of(m, object);

@@ -16,9 +16,11 @@ Result<void> enter_user_namespace(int other_kinds);
 /// directory.
 const std::filesystem::path& program_directory();
 
-// The following functions mount over the directories of the machine. REQUIRES: the calling thread is in a
-// mount namespace of its own, and program_directory() was called while /proc still was that of the machine.
-/// Must be called first, because the mounts of the next functions would otherwise be visible outside.
+// The following functions mount new file systems over /dev/shm, /tmp and /proc. REQUIRES: the calling thread
+// is in its own mount namespace, and program_directory() was called before the /proc of the machine was
+// hidden.
+
+/// Must be called before the next functions, because their mounts would otherwise be visible outside.
 Result<void> make_mounts_private();
 Result<void> mount_own_shm(unsigned mebibytes);
 /// If the project was built in /tmp, the folder in /tmp that has it stays visible: programs find messages and

@@ -17,7 +17,8 @@ struct EchoOptions {
   std::uint64_t count = 0;               ///< the number of samples to print; 0: the command runs until the
                                          ///< user stops it
   Format format = Format::yaml;
-  bool full = false;       ///< true: prints long arrays and texts whole on terminals, too
+  /// True: long arrays and texts are not shortened on a terminal. Other output is never shortened.
+  bool full = false;
   double max_rate_hz = 0;  ///< the maximum rate; 0: all samples
 };
 

@@ -68,8 +68,7 @@ class GroupKeeper {
   bool replan(Time now);
   /// Sends the offers, probes and farewells that are due.
   void maintain(Time now);
-  /// Returns the time at which replan() or maintain() should be called; Time::max() if they have no urgent
-  /// work.
+  /// Returns the time by which replan() or maintain() should be called; Time::max(): at no certain time.
   Time next_duty(Time now) const;
 
   /// Returns a text that names the multicast group of a reader, or the reason why the reader is in no group.

@@ -28,8 +28,8 @@ namespace sft::udp {
 class Periodic {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// Performs the task. Returns the time at which it has to be called again; Time::max() if that is not
-  /// urgent.
+  /// Performs the task. Returns the time by which this function must be called again; Time::max(): at no
+  /// certain time.
   virtual Time maintain(Time now) = 0;
 
  protected:
@@ -69,7 +69,7 @@ class PeriodicTasks {
   /// Schedules the next call of maintain() for the time `next` at the latest. Must be called by the agent's
   /// thread.
   void maintain_by(Time next) { next_ = std::min(next_, next); }
-  /// Returns the time at which maintain() has to be called again; Time::max() if that is not urgent. Must be
+  /// Returns the time by which maintain() must be called again; Time::max(): at no certain time. Must be
   /// called by the agent's thread.
   Time next() const { return next_; }
 

@@ -206,8 +206,8 @@ struct DomainSnapshot::Pair {
   Account account{};     ///< the counts of both nodes, while the program asks for them (Node::ask_accounts())
 };
 
-/// Returns the hash by which nodes of ROS 2 compare definitions, "RIHS01_..."; nothing if ROS 2 has no such
-/// types.
+/// Returns the hash by which nodes of ROS 2 compare definitions, "RIHS01_...". Returns nothing if the type
+/// has enumerations, bitmasks or keys, which types of ROS 2 do not have.
 std::optional<std::string> ros_type_hash(const DynamicType& type);
 
 }  // namespace sft

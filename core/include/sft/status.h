@@ -166,7 +166,7 @@ struct SubscriberStatus {
     /// The name of the publisher's node. An unmodified writer of ROS 2 has that of its node, with a leading
     /// slash. If it is not known, "DDS" and the GUID prefix of the participant.
     std::string node;
-    bool matched = false;    ///< false: the two do not match, and `reason` says why
+    bool matched = false;    ///< false: publisher and subscriber do not match; see `reason`
     bool connected = false;  ///< true: samples of the publisher arrive, by `transport`
     bool alive = true;  ///< false: the lease of the publisher or of its node has expired; `reason` says which
     TransportKind transport{};  ///< valid only while the publisher is connected

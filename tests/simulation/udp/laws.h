@@ -91,7 +91,7 @@ class Laws {
     std::uint64_t last_gate = 0;           ///< the gate that the last sample has passed; 0: none
     std::set<std::uint64_t> last_names{};  ///< the selections under which the last sample arrived
     bool changed = false;                  ///< whether the reader was changing its wish then
-    std::set<std::uint64_t> names{};       ///< the hashes of all wishes of the reader
+    std::set<std::uint64_t> names{};       ///< the hashes of all selections that the reader has requested
     std::set<std::uint64_t> gates{};       ///< gates that the samples after the last one may have; 0: no gate
     /// The gates that samples after the next one may have. If there are none here, `gates` has them.
     std::set<std::uint64_t> later_gates{};

@@ -243,7 +243,7 @@ TEST_F(OtherAccounts, GetOneListOfAllFilesThatAKilledDaemonOfAnotherUserLeft) {
   again.exit_code();
 }
 
-/// Returns the route to a reader whose doorbell is said to be in this page.
+/// Returns the route to a reader that has announced a doorbell in the page with the id `page`.
 core::Route route_to(std::uint64_t page) {
   return {.reader = 7, .destination = core::DoorbellAddress{page, 0}, .selection = frame_type().full()};
 }

@@ -62,8 +62,7 @@ std::optional<TypeName> type_name(std::string_view text) {
   return is_good ? std::optional(std::move(name)) : std::nullopt;
 }
 
-// ---- to text ----
-
+/// Writes message types as .msg text.
 class MsgWriter {
  public:
   Result<std::string> write(const StructType& root) {

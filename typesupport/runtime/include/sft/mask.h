@@ -48,7 +48,7 @@ struct Mask {
   static constexpr std::size_t leaves = detail::leaf_count_of<T>;
 
   /// Bit b of word i stands for leaf 64 * i + b.
-  std::array<std::uint64_t, (leaves + 63) / 64> words{};  // public: a template argument has no private parts
+  std::array<std::uint64_t, (leaves + 63) / 64> words{};  // public, because masks are template arguments
 
   /// Returns true if the leaf is in the mask.
   constexpr bool contains(std::size_t leaf) const { return (words[leaf / 64] >> (leaf % 64) & 1) != 0; }

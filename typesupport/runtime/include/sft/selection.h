@@ -118,7 +118,7 @@ class Selection {
   static constexpr std::size_t parts_max = 16;           ///< the maximum number of fields with parts
   static constexpr std::size_t channels_max = 64;        ///< the maximum number of channels in a part
   static constexpr std::size_t channel_bytes_max = 255;  ///< the maximum length of the name of a channel
-  static constexpr std::size_t conditions_max = 32;      ///< the maximum number of nodes in the tree
+  static constexpr std::size_t conditions_max = 32;      ///< the maximum number of terms of a gate
   static constexpr std::size_t depth_max = 8;            ///< the maximum nesting of `and` and `or`
   static constexpr std::size_t changed_leaves_max =
       64;                                         ///< the maximum number of leaves in a `changed` condition

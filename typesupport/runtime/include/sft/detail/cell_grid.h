@@ -41,8 +41,8 @@ struct CellGrid {
     return first + row * row_step + column * column_step;
   }
 
-  /// Returns these cells in as few rows as possible: rows without bytes between them are joined. No number
-  /// of the result is 0, except the number of rows of an empty grid.
+  /// Returns these cells in as few rows as possible: rows without bytes between them are joined. In the
+  /// result, no step and no number of columns is 0. Only an empty grid has 0 rows.
   CellGrid joined() const {
     if (size() == 0) return {.column_step = 1, .columns = 1};
     if (!is_joined()) return *this;

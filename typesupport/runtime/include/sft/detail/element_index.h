@@ -47,8 +47,8 @@ std::uint32_t element_begin(const SampleState& s, const Elements& elements, std:
 /// threads may use an ElementIndex at once.
 class ElementIndex {
  public:
-  /// The maximum number of tables, one per collection. In further collections of a sample, a jump is done
-  /// by walking.
+  /// The maximum number of tables, one per collection. In further collections of a sample, an element
+  /// is reached by a walk over those before it.
   static constexpr std::size_t tables_max = 4096;
   static constexpr std::size_t kept_bytes_max = 256 * 1024;  ///< limit of the memory that clear() keeps
 
