@@ -68,7 +68,8 @@ def test_what_python_people_write_arrives(pair, every, field, value, expected):
     ({"small": 300}, ValueError, "'small' is 300; an integer from 0 to 255 was expected"),
     ({"natural": -1}, ValueError, "'natural' is -1; an integer from 0 to 4294967295"),
     ({"number": 1.5}, TypeError, "'number' is 1.5; an integer from -2147483648"),
-    ({"number": np.float32(1)}, TypeError, "'number' is 1.0"), ({"number": None}, TypeError, "'number' is None"),
+    ({"number": np.float32(1)}, TypeError, r"'number' is (1\.0|np\.float32\(1\.0\));"),  # numpy 1 or 2
+    ({"number": None}, TypeError, "'number' is None"),
     ({"large": 2**63}, ValueError, "'large' is 9223372036854775808"), ({"yes": 2}, TypeError, "'yes' is 2"),
     ({"single": 1e39}, ValueError, "'single' is 1e\\+39"), ({"single": "1"}, TypeError, "'single' is '1'"),
     ({"double": 10**400}, ValueError, "'double' is 1000"), ({"text": b"a"}, TypeError, "'text' is b'a'; a text"),
