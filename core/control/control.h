@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -90,9 +89,6 @@ struct Account {
   DomainSnapshot::Received by_reader{};
   friend bool operator==(const Account&, const Account&) = default;
 };
-
-/// The accounts of pairs, as far as they are known.
-using PairAccounts = std::map<PairId, DomainSnapshot::Account>;
 
 /// A request of a node for information that records do not contain.
 struct Inquiry {

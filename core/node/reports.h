@@ -14,6 +14,7 @@
 
 #include "core/discovery/discovery.h"
 #include "core/negotiation/negotiation.h"
+#include "core/node/domain_snapshot.h"
 #include "core/node/local_endpoints.h"
 #include "core/node/vanilla_access.h"
 #include "core/platform/clock.h"

@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-#include "core/control/control.h"
+#include "core/node/domain_snapshot.h"
 #include "core/vanilla/dds_names.h"
 #include "core/vanilla/vanilla_domain.h"
 #include "core/vanilla/vanilla_endpoints.h"
