@@ -52,15 +52,6 @@ DdsQos user_data_qos(const ParticipantData& data) {
   return qos;
 }
 
-std::string user_data_of(const dds_qos_t* qos) {
-  void* data = nullptr;
-  std::size_t bytes = 0;
-  if (!dds_qget_userdata(qos, &data, &bytes) || data == nullptr) return {};
-  std::string user_data(static_cast<const char*>(data), bytes);
-  dds_free(data);
-  return user_data;
-}
-
 /// Takes all samples that a reader has, in batches, and calls `use(sample, info)` for each. Cyclone calls the
 /// listener again for samples that come after the last batch.
 template <class Sample, class Use>
@@ -275,7 +266,7 @@ void ControlLink::note_participant(const dds_builtintopic_participant_t& sample,
     peers_.participant_gone(here(guid));
     return;
   }
-  const std::string user_data = info.valid_data ? user_data_of(sample.qos) : "";
+  const std::string user_data = info.valid_data ? user_data_in(sample.qos) : "";
   if (const auto version = other_release(user_data)) peers_.other_release_seen(place_.link, *version);
   if (info.valid_data && !place_.is_secured && !is_of_sft(user_data)) peers_.vanilla_came(here(guid));
   const auto data = parse_participant_data(user_data);

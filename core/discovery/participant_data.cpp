@@ -36,6 +36,15 @@ std::string to_text(const ParticipantData& data) {
   return text + "/" + in_hex(data.process);
 }
 
+std::string user_data_in(const dds_qos_t* qos) {
+  void* data = nullptr;
+  std::size_t bytes = 0;
+  if (!dds_qget_userdata(qos, &data, &bytes) || data == nullptr) return {};
+  std::string user_data(static_cast<const char*>(data), bytes);
+  dds_free(data);
+  return user_data;
+}
+
 bool is_of_sft(std::string_view user_data) {
   return user_data.starts_with(release_prefix) || user_data.starts_with(vanilla_mark) ||
          user_data.find(";" + std::string(vanilla_mark)) != std::string_view::npos;

@@ -2,6 +2,8 @@
 // heartbeats are sent. Cyclone announces a change of user data at once. Pure functions.
 #pragma once
 
+#include <dds/dds.h>
+
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -27,6 +29,8 @@ std::string to_text(const ParticipantData& data);
 /// A part of the user data of the participant that SFT makes for DDS nodes which know nothing of SFT, and
 /// of the endpoints of this participant. Such user data are pairs of the form "key=value;".
 inline constexpr std::string_view vanilla_mark = "sft=1;";
+/// Returns the user data of a participant or an endpoint; empty if it has none.
+std::string user_data_in(const dds_qos_t* qos);
 /// Returns true if these user data are those of a participant or an endpoint of SFT, of any release.
 bool is_of_sft(std::string_view user_data);
 /// Returns nothing if the user data are not those of a participant of this version.

@@ -15,15 +15,6 @@ namespace {
 // The last byte of the GUIDs of writers and readers whose types have keys (RTPS 2.3, 9.3.1.2).
 constexpr unsigned char keyed_writer = 0x02, keyed_reader = 0x07;
 
-std::string user_data_in(const dds_qos_t* qos) {
-  void* data = nullptr;
-  std::size_t bytes = 0;
-  if (!dds_qget_userdata(qos, &data, &bytes) || data == nullptr) return {};
-  std::string user_data(static_cast<const char*>(data), bytes);
-  dds_free(data);
-  return user_data;
-}
-
 std::chrono::nanoseconds duration_of(dds_duration_t duration) {
   return std::chrono::nanoseconds(duration == DDS_INFINITY ? 0 : duration);
 }
