@@ -46,9 +46,9 @@ bool VanillaAccess::knows_writer(EndpointId id, const std::string& topic) const 
 std::vector<Discovery::KnownPublisher> VanillaAccess::publishers_of(std::string_view type_name) const {
   std::vector<Discovery::KnownPublisher> publishers;
   if (writers_ == nullptr) return publishers;
-  const std::string type = dds_type(type_name);
+  const std::string type = dds_type(type_name, names());
   for (const auto& [dds_name, writer] : writers_->all()) {
-    const std::optional<std::string> topic = topic_of_dds(dds_name);
+    const std::optional<std::string> topic = topic_of_dds(dds_name, names());
     if (writer.type_name == type && topic && fault_of_announced_topic(*topic).empty())
       publishers.push_back({*topic, writer.node.empty() ? writer.participant : writer.node});
   }

@@ -24,6 +24,7 @@ std::string dds_type(std::string_view type, DdsNames names) {
 }
 
 std::optional<std::string> topic_of_dds(std::string_view topic, DdsNames names) {
+  if (topic == ros_graph_topic) return std::nullopt;
   if (names == DdsNames::plain) return std::string(topic);
   if (!topic.starts_with(topic_prefix) || topic.size() == topic_prefix.size()) return std::nullopt;
   return std::string(topic.substr(topic_prefix.size()));

@@ -4,6 +4,7 @@
 
 #include "core/discovery/participant_data.h"
 #include "core/platform/clock.h"
+#include "core/vanilla/dds_names.h"
 #include "core/vanilla/dds_qos.h"
 #include "core/vanilla/vanilla_endpoints.h"
 
@@ -11,7 +12,6 @@ namespace sft::core {
 
 namespace {
 
-constexpr const char* graph_topic = "ros_discovery_info";
 constexpr const char* graph_type = "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_";
 /// The published hash of this type as of Iron. Earlier distributions have no hashes.
 constexpr const char* graph_user_data =
@@ -37,7 +37,7 @@ RosGraph::RosGraph(dds_entity_t participant, std::optional<GuidBytes> expected)
     : participant_(participant),
       expected_(expected),
       reading_{.memory = BufferPool::make(message_bytes_max)},
-      topic_(raw_topic(participant, graph_topic, graph_type, reading_)) {
+      topic_(raw_topic(participant, ros_graph_topic, graph_type, reading_)) {
   if (topic_.entity < 0) return;
   dds_listener_t* const listener = dds_create_listener(this);
   dds_lset_data_available(

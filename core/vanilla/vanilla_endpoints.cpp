@@ -71,6 +71,13 @@ std::string type_hash_of(const dds_qos_t* qos) {
   return std::ranges::all_of(hash, is_of_word) ? std::string(hash) : std::string();
 }
 
+/// Returns true for endpoints of the control topics of SFT, and for those by which Cyclone tells this process
+/// what it has discovered. They have no samples of programs.
+bool is_internal(const dds_builtintopic_endpoint_t& endpoint) {
+  const std::string_view type = endpoint.type_name;
+  return type.starts_with("sft_control::") || type.starts_with("org::eclipse::cyclonedds::builtin::");
+}
+
 std::string in_hexadecimal(const dds_guid_t& guid, std::size_t bytes) {
   std::string text;
   for (std::size_t i = 0; i < bytes; ++i) {
@@ -187,7 +194,7 @@ bool VanillaEndpoints::note(const dds_builtintopic_endpoint_t& endpoint, const d
     of_sft_.erase(key);
     if (known_.erase(key) == 0) return false;
   } else {
-    if (!info.valid_data) return false;
+    if (!info.valid_data || is_internal(endpoint)) return false;
     if (const std::string user_data = user_data_in(endpoint.qos); is_of_sft(user_data)) {
       if (of_sft_.size() < known_max || of_sft_.contains(key))
         of_sft_.insert_or_assign(key, OfSft{id_in(user_data), is_answered_in(user_data)});

@@ -144,7 +144,8 @@ class PlainWriter final : public DdsWriter {
   PlainWriter(const core::WriterSpec& spec, std::shared_ptr<DdsNode> node)
       : DdsWriter(std::move(node)), id_(spec.id), slots_(spec.type->index_slots()) {
     const dds_entity_t participant = node_->domain->participant();
-    topic_ = core::raw_topic(participant, core::dds_topic(topic_of(id_)), core::dds_type(spec.type->name()));
+    topic_ = core::raw_topic(participant, core::dds_topic(topic_of(id_), core::DdsNames::ros2),
+                             core::dds_type(spec.type->name(), core::DdsNames::ros2));
     const core::DdsQos qos(dds_create_qos());
     dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_INFINITY);
     dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, 0);
@@ -185,7 +186,8 @@ class ServingWriter final : public DdsWriter {
     EXPECT_TRUE(outlet_.start(core::ThreadSpec("dds-send", {})));
     node_->writers->enter(
         id_, {id_of(writer_->guid()), [this](const core::Guid& reader) {
-                const auto known = node_->domain->readers().of(core::dds_topic(topic_of(id_)));
+                const auto known =
+                    node_->domain->readers().of(core::dds_topic(topic_of(id_), core::DdsNames::ros2));
                 return writer_->readers() == known.size() &&
                        std::ranges::find(known, reader, &core::VanillaEndpoint::key) != known.end();
               }});
@@ -259,7 +261,8 @@ class PlainReader final : public DdsReader {
  public:
   explicit PlainReader(const Spec& spec) : spec_(spec) {
     const dds_entity_t participant = spec.node->domain->participant();
-    topic_ = core::raw_topic(participant, core::dds_topic(spec.topic), core::dds_type(spec.type->name()),
+    topic_ = core::raw_topic(participant, core::dds_topic(spec.topic, core::DdsNames::ros2),
+                             core::dds_type(spec.type->name(), core::DdsNames::ros2),
                              {.type = spec.type, .memory = spec.node->pool});
     const core::DdsQos qos(dds_create_qos());
     dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, 0);

@@ -282,6 +282,11 @@ class VanillaTest : public ::testing::Test {
     options.vanilla_dds = choice;
     return Node::open(options).value();
   }
+  static NodeOptions with_plain_names(NodeOptions options) {
+    options.vanilla_dds = VanillaDds::always;
+    options.dds_names = NodeOptions::DdsNames::plain;
+    return options;
+  }
   template <class P>
   static bool serves(const P& publisher, std::size_t readers) {
     return eventually([&] { return publisher.status().vanilla_readers == readers; });

@@ -149,6 +149,25 @@ TEST_F(VanillaToolsTest, PubWaitsForADdsReaderAndServesIt) {
   }
 }
 
+TEST_F(VanillaToolsTest, WithPlainNamesNeitherTheTopicsOfSftItselfNorTheGraphOfRosAreShown) {
+  setenv("SFT_DDS_NAMES", "plain", 1);
+  Node node = open(Way::udp, VanillaDds::always);
+  auto sub = node.subscriber<PointCloud2>("scans").value();
+  const VanillaForger of_ros(network_.host(1), "ros_discovery_info",
+                             "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
+  VanillaForger forger(network_.host(1), "scans", "sensor_msgs::msg::PointCloud2");
+  ASSERT_TRUE(forger.is_matched());
+  EXPECT_TRUE(eventually([&] {
+    const Json why = json_of({"why", "scans"});
+    return why["pairs"].size() == 1 && why["pairs"][0]["dds"] == true && why["pairs"][0]["connected"] == true;
+  }));
+  const Json all = json_of({"ls"});
+  unsetenv("SFT_DDS_NAMES");
+  ASSERT_EQ(all["topics"].size(), 1U) << all;
+  EXPECT_EQ(all["topics"][0]["name"], "scans");
+  EXPECT_EQ(all["topics"][0]["dds_publishers"], 1);
+}
+
 TEST_F(VanillaToolsTest, PubSaysWhyADdsReaderIsNotServed) {
   VanillaReader latched(network_.host(1), {.durability = "latched"});
   const Ended ended = run_tool({"pub", "points", "auto", "{height: 3}", "--once", "--timeout", "2"});

@@ -520,10 +520,7 @@ TEST_F(VanillaHearingTest, MalformedAndForeignEncodingsAreRefusedCountedAndNamed
 }
 
 TEST_F(VanillaHearingTest, ANodeWithPlainNamesHearsAndServesEndpointsWithTheNamesOfSft) {
-  NodeOptions options = node_options(Way::udp, "camera");
-  options.vanilla_dds = VanillaDds::always;
-  options.dds_names = NodeOptions::DdsNames::plain;
-  Node node = Node::open(options).value();
+  Node node = Node::open(with_plain_names(node_options(Way::udp, "camera"))).value();
   auto sub = node.subscriber<PointCloud2>("points", {.reliability = reliable}).value();
   auto pub = node.publisher<PointCloud2>("scans").value();
   VanillaForger forger(network_.host(1), "points", "sensor_msgs::msg::PointCloud2");
@@ -535,6 +532,14 @@ TEST_F(VanillaHearingTest, ANodeWithPlainNamesHearsAndServesEndpointsWithTheName
   ASSERT_GT(dds_create_reader(participant, scans.entity, nullptr, nullptr), 0);
   EXPECT_TRUE(serves(pub, 1));
   dds_delete(participant);
+}
+
+TEST_F(VanillaHearingTest, ATopicThatIsMisspeltIsNamedWithThatOfAWriterWithPlainNames) {
+  Node node = Node::open(with_plain_names(options_with_log())).value();
+  const VanillaForger of_other_names(network_.host(1), "rt/poinst");
+  const VanillaForger forger(network_.host(1), "points", "sensor_msgs::msg::PointCloud2");
+  const auto misspelt = node.subscriber<PointCloud2>("pionts").value();
+  EXPECT_TRUE(warns_of("topic 'pionts': no publisher of it was seen; did you mean 'points', which node "));
 }
 
 TEST_F(VanillaHearingTest, BigEndianNumbersAreSwapped) {

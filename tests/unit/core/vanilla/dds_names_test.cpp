@@ -6,25 +6,27 @@
 namespace sft::core {
 namespace {
 
+using enum DdsNames;
+
 TEST(DdsNames, OfTopicsBeginWithRtAsInRos) {
-  EXPECT_EQ(dds_topic("points"), "rt/points");
-  EXPECT_EQ(dds_topic("/left/points"), "rt/left/points");
+  EXPECT_EQ(dds_topic("points", ros2), "rt/points");
+  EXPECT_EQ(dds_topic("/left/points", ros2), "rt/left/points");
 }
 
 TEST(DdsNames, OfTypesHaveTheNamespaceOfRosBeforeTheLastPart) {
-  EXPECT_EQ(dds_type("sensor_msgs::msg::Imu"), "sensor_msgs::msg::dds_::Imu_");
-  EXPECT_EQ(dds_type("Imu"), "dds_::Imu_");
+  EXPECT_EQ(dds_type("sensor_msgs::msg::Imu", ros2), "sensor_msgs::msg::dds_::Imu_");
+  EXPECT_EQ(dds_type("Imu", ros2), "dds_::Imu_");
 }
 
 TEST(DdsNames, OfTopicsAndTypesAreReadAsTheyAreMade) {
-  EXPECT_EQ(topic_of_dds(dds_topic("left/points")), "left/points");
-  EXPECT_EQ(type_of_dds(dds_type("sensor_msgs::msg::Imu")), "sensor_msgs::msg::Imu");
+  EXPECT_EQ(topic_of_dds(dds_topic("left/points", ros2), ros2), "left/points");
+  EXPECT_EQ(type_of_dds(dds_type("sensor_msgs::msg::Imu", ros2), ros2), "sensor_msgs::msg::Imu");
 }
 
 TEST(DdsNames, OfAnotherFormAreNotThoseOfRos) {
   for (const char* topic : {"points", "rt/", "rq/addRequest", "ros_discovery_info", ""})
-    EXPECT_FALSE(topic_of_dds(topic)) << topic;
-  for (const char* type : {"Square", "pkg::msg::dds_::Imu", ""}) EXPECT_EQ(type_of_dds(type), type);
+    EXPECT_FALSE(topic_of_dds(topic, ros2)) << topic;
+  for (const char* type : {"Square", "pkg::msg::dds_::Imu", ""}) EXPECT_EQ(type_of_dds(type, ros2), type);
 }
 
 TEST(DdsNames, OfTypesInRosHaveSlashes) {
@@ -33,10 +35,14 @@ TEST(DdsNames, OfTypesInRosHaveSlashes) {
 }
 
 TEST(DdsNames, AreThoseOfSftIfTheyArePlain) {
-  EXPECT_EQ(dds_topic("/left/points", DdsNames::plain), "left/points");
-  EXPECT_EQ(dds_type("sensor_msgs::msg::Imu", DdsNames::plain), "sensor_msgs::msg::Imu");
-  EXPECT_EQ(topic_of_dds("left/points", DdsNames::plain), "left/points");
-  EXPECT_EQ(type_of_dds("house::Door", DdsNames::plain), "house::Door");
+  EXPECT_EQ(dds_topic("/left/points", plain), "left/points");
+  EXPECT_EQ(dds_type("sensor_msgs::msg::Imu", plain), "sensor_msgs::msg::Imu");
+  EXPECT_EQ(topic_of_dds("left/points", plain), "left/points");
+  EXPECT_EQ(type_of_dds("house::Door", plain), "house::Door");
+}
+
+TEST(DdsNames, OfTheGraphOfRosAreNoneOfSft) {
+  for (const DdsNames names : {ros2, plain}) EXPECT_FALSE(topic_of_dds("ros_discovery_info", names));
 }
 
 }  // namespace

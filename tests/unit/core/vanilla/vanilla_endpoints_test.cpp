@@ -38,11 +38,12 @@ class VanillaEndpointsTest : public testing::Test {
     return known_->of("rt/points").size();
   }
 
- private:
   static constexpr dds_domainid_t number = 199;
   const dds_entity_t domain_, participant_;
   const RawTopic topic_;
   std::unique_ptr<VanillaEndpoints> known_;
+
+ private:
   Time now_{1h};
 };
 
@@ -56,6 +57,15 @@ TEST_F(VanillaEndpointsTest, AreKnownWhetherTheyCameBeforeOrComeLaterAndForgotte
   dds_delete(earlier);
   dds_delete(later);
   EXPECT_TRUE(comes_to(0));
+}
+
+TEST_F(VanillaEndpointsTest, OfTheControlTopicsOfSftAreNone) {
+  know_at_most(10);
+  const RawTopic control = raw_topic(participant_, "sft_writer", "sft_control::Record");
+  ASSERT_GT(dds_create_writer(participant_, control.entity, nullptr, nullptr), 0);
+  ASSERT_GT(writer(), 0);
+  EXPECT_TRUE(comes_to(1));
+  EXPECT_EQ(known_->all().size(), 1U);
 }
 
 TEST_F(VanillaEndpointsTest, ForWhichThereWasNoRoomAreFoundAgainWhenOthersHaveGone) {
