@@ -136,6 +136,8 @@ SampleHandle VanillaInlet::take() {
     counters_.lost_unnoticed += first->discarded;
   }
   first->discarded = first->take_discarded_before_next();
+  if (first->is_gone && first->waiting.empty())
+    counters_.lost_unnoticed += std::exchange(first->discarded, 0);  // no later sample shows them
   return sample;
 }
 
@@ -170,13 +172,14 @@ void VanillaInlet::forget_others_than(std::span<const EndpointId> writers) {
   const Lock lock(mutex_);
   std::vector<Writer*> gone;
   for (auto& [id, writer] : writers_) {
-    if (is_gone(id) && !writer.waiting.empty()) gone.push_back(&writer);
+    writer.is_gone = is_gone(id);
+    if (writer.is_gone && !writer.waiting.empty()) gone.push_back(&writer);
   }
   discard_surplus(gone);
   for (auto next = writers_.begin(); next != writers_.end();) {
     const auto here = next++;
     const Writer& writer = here->second;
-    if (!writer.waiting.empty() || !is_gone(here->first)) continue;
+    if (!writer.waiting.empty() || !writer.is_gone) continue;
     counters_.lost_unnoticed += writer.discarded;  // no later sample shows them
     writers_.erase(here);
   }

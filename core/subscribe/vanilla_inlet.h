@@ -69,6 +69,7 @@ class VanillaInlet {
     std::uint64_t discarded_behind = 0;  ///< after the last sample that waits
     std::uint64_t lost_before_first = 0;  ///< the value of `discarded` when the first sample was taken
     bool was_taken = false;
+    bool is_gone = false;  ///< it was not among the writers of the last forget_others_than()
     /// Samples that are missing between those that arrived. It is not known if the gate had let them pass, so
     /// they count as lost: the ordinals of the gate go on by as many.
     std::uint32_t missing = 0;
