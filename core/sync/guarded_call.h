@@ -83,17 +83,24 @@ class CallGate {
     /// This thread waits, directly or indirectly, for the thread that is examining the list.
     bool depends = false;
 
-    /// These are never destroyed, since a callback may still wait when the program ends.
-    static inline Mutex& mutex = *new Mutex;
-    static inline Condition& changed = *new Condition;
-    static inline Closing* first SFT_GUARDED_BY(mutex) = nullptr;
+    // Both are made at the first use, since global objects of programs may be constructed before all others
+    // of SFT. They are never destroyed, since a callback may still wait when the program ends.
+    static Mutex& mutex() {
+      static Mutex& made = *new Mutex;
+      return made;
+    }
+    static Condition& changed() {
+      static Condition& made = *new Condition;
+      return made;
+    }
+    static inline constinit Closing* first SFT_GUARDED_BY(mutex()) = nullptr;
 
     static void notify_change() noexcept {
-      const Lock lock(mutex);
-      changed.notify_all();
+      const Lock lock(mutex());
+      changed().notify_all();
     }
     /// Returns the number of calls inside the gate being closed whose threads wait for this thread.
-    std::uint32_t calls_of_dependents() SFT_REQUIRES(mutex) {
+    std::uint32_t calls_of_dependents() SFT_REQUIRES(mutex()) {
       for (Closing* other = first; other != nullptr; other = other->next) other->depends = other == this;
       std::uint32_t calls = 0;
       for (bool found = true; found;) {
@@ -106,7 +113,7 @@ class CallGate {
       }
       return calls;
     }
-    bool waits_for_a_dependent() const SFT_REQUIRES(mutex) {
+    bool waits_for_a_dependent() const SFT_REQUIRES(mutex()) {
       for (const Closing* other = first; other != nullptr; other = other->next) {
         if (other->depends && Call::of(*gate, other->innermost) > 0) return true;
       }
@@ -117,14 +124,14 @@ class CallGate {
   void wait_for_others() noexcept {
     Closing own{.gate = this, .innermost = Call::innermost()};
     const std::uint32_t own_calls = Call::of(*this, own.innermost);
-    Lock lock(Closing::mutex);
+    Lock lock(Closing::mutex());
     own.next = std::exchange(Closing::first, &own);
-    Closing::changed.notify_all();
-    while (inside(state_.load()) > own_calls + own.calls_of_dependents()) Closing::changed.wait(lock);
+    Closing::changed().notify_all();
+    while (inside(state_.load()) > own_calls + own.calls_of_dependents()) Closing::changed().wait(lock);
     Closing** place = &Closing::first;
     while (*place != &own) place = &(*place)->next;
     *place = own.next;
-    Closing::changed.notify_all();
+    Closing::changed().notify_all();
   }
 
   // The state counts the calls inside, and has one bit that says that the gate is closed. The state is one

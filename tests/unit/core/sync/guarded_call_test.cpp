@@ -226,6 +226,31 @@ TEST(GuardedCallTest, NoneOfManyThreadsIsInsideOnceItWasCleared) {
   }
 }
 
+/// Closes a gate while a call is inside.
+bool close_from_another_thread() {
+  CallGate gate;
+  std::latch is_inside(1);
+  std::thread calling([&] {
+    gate.call([&] {
+      is_inside.count_down();
+      while (!gate.is_closed()) std::this_thread::yield();
+    });
+  });
+  is_inside.wait();
+  gate.close();
+  calling.join();
+  return gate.is_closed();
+}
+
+// Global objects of programs may open nodes. They may be constructed before all other objects.
+[[gnu::init_priority(101)]] const struct BeforeAllOthers {
+  bool has_closed = close_from_another_thread();
+} before_all_others;
+
+TEST(GuardedCallTest, CanBeClearedBeforeOtherGlobalObjectsAreConstructed) {
+  EXPECT_TRUE(before_all_others.has_closed);
+}
+
 /// A thread that waits in close() when the program ends must not stop the program from ending.
 void end_while_a_gate_is_being_closed() {
   ::alarm(60);
