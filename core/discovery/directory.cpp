@@ -75,6 +75,7 @@ void Directory::announced(const std::shared_ptr<ListeningNode>& node, Endpoint e
   Entry* entry = own(endpoint.id);
   const bool is_new = entry == nullptr;
   if (is_new) {
+    end_of_others(endpoint.id);
     const Place place{0, endpoint.role, own_slots_made_++};
     owners_[endpoint.id] = place;
     entry = &entries_[place];
@@ -228,6 +229,14 @@ void Directory::end(const Place& place, const Entry& entry, const DiscoveryEvent
   const auto of_others = entries_.lower_bound(Place{1, Role::writer, 0});
   if (const auto next = std::find_if(of_others, entries_.end(), has_id); next != entries_.end())
     show(next->first);
+}
+
+void Directory::end_of_others(EndpointId id) {
+  for (auto owner = owners_.find(id); owner != owners_.end(); owner = owners_.find(id)) {
+    const Place place = owner->second;
+    const Entry former{.endpoint = std::exchange(entries_.at(place).endpoint, std::nullopt)};
+    end(place, former, EndpointDeparted{id});
+  }
 }
 
 void Directory::peer_lost(ProcessId process) {

@@ -116,6 +116,8 @@ class Directory {
   void show(const Place& place);
   EndpointSeen seen(const Place& place, const Entry& entry) const;
   void end(const Place& place, const Entry& entry, const DiscoveryEvent& event);
+  /// Ends all endpoints of other processes that have this id, because one of our own has it.
+  void end_of_others(EndpointId id);
   void leave_out_what_is_cut(ProcessId process, std::vector<UdpAddress>& addresses) const;
   template <class IsOf>
   void notify_report(NodeReport report, const std::shared_ptr<ListeningNode>& by, IsOf is_of);

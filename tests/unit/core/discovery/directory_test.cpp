@@ -257,6 +257,26 @@ TEST_F(DirectoryTest, RefusesTheIdsOfItsOwnNodes) {
   EXPECT_THAT(directory.endpoints_of(node->node), ElementsAre(1, 2));
 }
 
+TEST_F(DirectoryTest, EndsEndpointsOfOthersWhoseIdsItsOwnNodesTake) {
+  const auto node = open(), hearer = open();
+  announce(*hearer, endpoint(Role::reader, 1));
+  other_has(endpoint(Role::writer, 10), process_one);
+  other_has(endpoint(Role::writer, 10), process_two);
+  EXPECT_THAT(events_of(*hearer), ElementsAre("seen 10"));
+  announce(*node, endpoint(Role::writer, 10));
+  const std::vector<std::string> said = events_of(*hearer);
+  ASSERT_FALSE(said.empty());
+  EXPECT_EQ(said.front(), "departed 10");
+  EXPECT_EQ(said.back(), "seen 10");
+  directory.peer_lost(process_one);
+  directory.peer_lost(process_two);
+  EXPECT_THAT(events_of(*hearer), IsEmpty());
+  const auto late = open();
+  announce(*late, endpoint(Role::reader, 2));
+  EXPECT_THAT(events_of(*late), ElementsAre("seen 10"));
+  EXPECT_THAT(directory.endpoints_of(node->node), ElementsAre(10));
+}
+
 TEST_F(DirectoryTest, RefusesWhatIsMalformedOrOnTheWrongTopic) {
   const auto node = open();
   announce(*node, endpoint(Role::reader, 1));
