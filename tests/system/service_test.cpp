@@ -330,6 +330,16 @@ TEST_P(ServiceTest, AResponseThatIsTooLargeForTheStackIsFilledIn) {
               HasSubstr("the server refuses: it is dark"));
 }
 
+TEST_P(ServiceTest, AServerWithoutAHandlerIsNotOpened) {
+  Node node = open("server");
+  const Result<Service<Add>> servers[] = {
+      Service<Add>::open(node, "sum", nullptr), Service<Add>::open(node, "sum", {}),
+      Service<Add>::open(node, "sum", Service<Add>::Handler()),
+      Service<Add>::open(node, "sum", Service<Add>::FillingHandler(), {})};
+  for (const Result<Service<Add>>& server : servers)
+    EXPECT_EQ(server.error().message, "service 'sum': no handler");
+}
+
 TEST_P(ServiceTest, AResponseOrARequestThatIsTooLargeIsNamed) {
   warnings_expected = true;
   Node a = open("server");

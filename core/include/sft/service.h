@@ -22,6 +22,7 @@
 #include <atomic>
 #include <chrono>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -81,7 +82,7 @@ class [[nodiscard]] Service {
   /// The same with a handler that fills the response in.
   [[nodiscard]] static Result<Service> open(Node& node, std::string_view service, FillingHandler handler,
                                             PublisherOptions options = {}) {
-    if (!handler) return fail(Errc::invalid_argument, "service '" + std::string(service) + "': no handler");
+    if (!handler) return open(node, service, nullptr);
     options.reliability = reliable;
     auto replies = node.publisher<Reply>(detail::reply_topic(service), options);
     if (!replies) return tl::unexpected(std::move(replies.error()));
@@ -93,6 +94,11 @@ class [[nodiscard]] Service {
         .subscriber<Call>(detail::call_topic(service), answer,
                           {.transport = options.transport, .reliability = reliable})
         .map([&](Subscriber<Call>&& calls) { return Service(std::move(state), std::move(calls)); });
+  }
+  /// Returns an error, because there is no handler.
+  [[nodiscard]] static Result<Service> open(Node&, std::string_view service, std::nullptr_t,
+                                            PublisherOptions = {}) {
+    return fail(Errc::invalid_argument, "service '" + std::string(service) + "': no handler");
   }
 
  private:
