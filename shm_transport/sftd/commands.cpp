@@ -29,6 +29,14 @@ ExitCode print_error(ExitCode code, const std::string& text) {
   return code;
 }
 
+/// Writes a text to standard output at once. Returns the reason if it cannot be written; empty: it was
+/// written. fmt::print() would throw an exception if the text were longer than the buffer of the stream.
+std::string why_not_printed(const std::string& text) {
+  const bool is_written =
+      std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
+  return is_written ? "" : std::generic_category().message(errno);
+}
+
 /// Returns the reason why the daemon does not answer; empty if it answers.
 std::string why_it_does_not_answer(const RunningDaemon& daemon, const std::optional<Status>& status) {
   const std::string name = fmt::format("the daemon (pid {}) ", daemon.pid());
@@ -64,10 +72,10 @@ ExitCode print_status(bool as_json) {
   const auto daemon = RunningDaemon::find();
   if (!daemon) return print_error(daemon.error().code, daemon.error().reason);
   const auto status = read_status_file(daemon->user());
-  if (status) fmt::print("{}", as_json ? to_json(*status) : to_table(*status, core::realtime_ns()));
-  if (std::fflush(stdout) != 0) {
-    return print_error(ExitCode::failed,
-                       "the status cannot be written: " + std::generic_category().message(errno));
+  if (status) {
+    const std::string why_not =
+        why_not_printed(as_json ? to_json(*status) : to_table(*status, core::realtime_ns()));
+    if (!why_not.empty()) return print_error(ExitCode::failed, "the status cannot be written: " + why_not);
   }
   const std::string reason = why_it_does_not_answer(*daemon, status);
   if (reason.empty() && !daemon->problem().empty()) return print_error(ExitCode::done, daemon->problem());
@@ -90,13 +98,12 @@ ExitCode stop_daemon(std::chrono::milliseconds timeout) {
         ExitCode::no_answer,
         fmt::format("the daemon does not end; if it is stopped, continue it: kill -CONT {}", daemon->pid()));
   }
-  if (users.empty()) {
-    fmt::print("sftd: the daemon (pid {}) has ended; no program used it\n", daemon->pid());
-  } else {
-    fmt::print("sftd: the daemon (pid {}) has ended; these programs used it, and go on over UDP:{}\n",
-               daemon->pid(), users);
-  }
-  return ExitCode::done;
+  const std::string ended = fmt::format("the daemon (pid {}) has ended; ", daemon->pid());
+  const std::string why_not = why_not_printed(
+      "sftd: " + ended +
+      (users.empty() ? "no program used it" : "these programs used it, and go on over UDP:" + users) + "\n");
+  if (why_not.empty()) return ExitCode::done;
+  return print_error(ExitCode::failed, ended + "which programs used it cannot be written: " + why_not);
 }
 
 }  // namespace sft::shm

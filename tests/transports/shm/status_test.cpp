@@ -63,6 +63,43 @@ TEST_F(SftdCommands, ShowThePidVersionsAndSettingsOfTheDaemon) {
   EXPECT_TRUE(contains(table.text, "idle exit after 600 s")) << table.text;
 }
 
+/// Calls the command with a full disk in place of its standard output. The text is what it writes to its
+/// standard error.
+Answer call_on_full_disk(const std::string& words) {
+  Process command({"/bin/sh", "-c", "exec " + sftd_path() + " " + words + " 2>&1 >/dev/full"});
+  std::string text = command.all_output();
+  return {std::move(text), static_cast<ExitCode>(command.exit_code())};
+}
+
+TEST_F(SftdCommands, SayThatTheDiskIsFull) {
+  Process daemon = start_sftd();
+  ASSERT_TRUE(status_becomes([&](const Status& status) { return status.pid == daemon.pid(); }));
+  const Answer status = call_on_full_disk("status");
+  EXPECT_EQ(status.text, "sftd: the status cannot be written: No space left on device\n");
+  EXPECT_EQ(status.code, ExitCode::failed);
+  const Answer stop = call_on_full_disk("stop");
+  EXPECT_EQ(stop.text,
+            "sftd: the daemon (pid " + std::to_string(daemon.pid()) +
+                ") has ended; which programs used it cannot be written: No space left on device\n");
+  EXPECT_EQ(stop.code, ExitCode::failed);
+  EXPECT_EQ(daemon.exit_code(), 0);
+}
+
+TEST_F(SftdCommands, SayThatTheDiskIsFullForAStatusOfAnyLength) {
+  Process daemon = start_sftd();
+  Node node(no_daemon());
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  std::vector<std::shared_ptr<core::LendingWriter>> ports;
+  for (core::EndpointId id = 1; id <= 200; ++id)
+    ports.push_back(node->open_writer({.id = id, .type = &frame_type()}).value());
+  ASSERT_TRUE(status_becomes([](const Status& status) { return status.usage.publishers.size() == 200; }));
+  for (const char* words : {"status", "status --json"}) {
+    const Answer answer = call_on_full_disk(words);
+    EXPECT_EQ(answer.text, "sftd: the status cannot be written: No space left on device\n") << words;
+    EXPECT_EQ(answer.code, ExitCode::failed) << words;
+  }
+}
+
 TEST_F(SftdCommands, ShowHowManyChunksEachPublisherHolds) {
   Process daemon = start_sftd();
   Process hoarder = start_peer({"hoard", "5", "1000"});
