@@ -1,8 +1,6 @@
 #include "core/discovery/control_plane.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <tuple>
 #include <variant>
 
@@ -40,10 +38,10 @@ constexpr const char* way_through_firewalls =
     "of it, or name both hosts as DiscoverySettings::peers of each other (docs/operations.md, Firewalls); or "
     "this host does not reach it, or the path drops packets of 1000 bytes";
 
-/// Returns the interfaces that may have links; nothing if the system cannot list them. Interfaces of
-/// containers come and go, so they have no link unless they are listed.
-std::optional<std::vector<HostInterface>> interfaces_that_count(const DdsConfig& config) {
-  std::optional<std::vector<HostInterface>> interfaces = host_interfaces();
+/// Returns the interfaces that may have links. Interfaces of containers come and go, so they have no link
+/// unless they are listed.
+Result<std::vector<HostInterface>> interfaces_that_count(const DdsConfig& config) {
+  Result<std::vector<HostInterface>> interfaces = host_interfaces();
   if (interfaces && config.interfaces.empty())
     std::erase_if(*interfaces, [](const HostInterface& one) { return belongs_to_containers(one.name); });
   return interfaces;
@@ -116,12 +114,8 @@ ControlPlane::ControlPlane(DdsConfig config, const ThreadSettings& threads)
 
 Result<void> ControlPlane::open() {
   const Lock lock(mutex_);
-  std::optional<std::vector<HostInterface>> listed = interfaces_that_count(config_);
-  if (!listed) {
-    return fail(Errc::unavailable,
-                std::string("the system does not list its network interfaces (") + std::strerror(errno) +
-                    "): allow sockets of AF_NETLINK (RestrictAddressFamilies= of a service)");
-  }
+  Result<std::vector<HostInterface>> listed = interfaces_that_count(config_);
+  if (!listed) return tl::unexpected(listed.error());
   interfaces_ = std::move(*listed);
   const DesiredLinks desired = desired_links(interfaces_, config_.rules(), {});
   const Time now = std::chrono::steady_clock::now();
@@ -314,7 +308,7 @@ void ControlPlane::renew_link(const LinkAction& action, Time now) {
 
 void ControlPlane::look_at_interfaces(Time now) {
   if (monitor_.was_closed()) return give_up();
-  std::optional<std::vector<HostInterface>> interfaces = interfaces_that_count(config_);
+  Result<std::vector<HostInterface>> interfaces = interfaces_that_count(config_);
   const bool is_known = interfaces.has_value();
   const bool changed = is_known && *interfaces != interfaces_;
   if (changed) {

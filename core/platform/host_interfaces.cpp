@@ -8,12 +8,15 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <fstream>
 #include <memory>
 #include <optional>
 #include <set>
+#include <system_error>
+#include <utility>
 
 namespace sft::core {
 
@@ -70,10 +73,10 @@ std::set<IpAddress::Bytes> ipv6_addresses_to_avoid() {
   return avoid;
 }
 
+/// Returns an interface whose index is not known yet.
 HostInterface without_address(const ifaddrs& entry) {
   HostInterface interface;
   interface.name = entry.ifa_name;
-  interface.index = ::if_nametoindex(entry.ifa_name);
   interface.up = (entry.ifa_flags & IFF_UP) != 0;
   interface.running = (entry.ifa_flags & IFF_RUNNING) != 0;
   interface.loopback = (entry.ifa_flags & IFF_LOOPBACK) != 0;
@@ -94,26 +97,55 @@ std::optional<HostInterface> with_address(const ifaddrs& entry, const std::set<I
   return interface;
 }
 
-}  // namespace
-
-std::optional<std::vector<HostInterface>> host_interfaces() {
-  ifaddrs* first = nullptr;
-  if (::getifaddrs(&first) != 0) return {};
-  const std::unique_ptr<ifaddrs, IfaddrsDeleter> list(first);
+/// Returns all interfaces of the list, without their indices.
+std::vector<HostInterface> interfaces_in(const ifaddrs* list) {
   const std::set<IpAddress::Bytes> avoid = ipv6_addresses_to_avoid();
   std::vector<HostInterface> interfaces;
-  for (const ifaddrs* i = list.get(); i != nullptr; i = i->ifa_next) {
+  for (const ifaddrs* i = list; i != nullptr; i = i->ifa_next) {
     if (auto interface = with_address(*i, avoid)) interfaces.push_back(std::move(*interface));
   }
-  for (const ifaddrs* i = list.get(); i != nullptr; i = i->ifa_next) {
+  for (const ifaddrs* i = list; i != nullptr; i = i->ifa_next) {
     const std::string name = i->ifa_name;
     if (std::ranges::find(interfaces, name, &HostInterface::name) == interfaces.end())
       interfaces.push_back(without_address(*i));
   }
-  // The system needs a descriptor to find the index of an interface. If there is no free descriptor, or if an
-  // interface has just disappeared, the caller has to try again.
-  if (std::ranges::find(interfaces, 0U, &HostInterface::index) != interfaces.end()) return {};
   return interfaces;
+}
+
+tl::unexpected<Error> not_listed(int error, const char* advice) {
+  if (error == EMFILE || error == ENFILE)
+    advice = ": raise the limit RLIMIT_NOFILE (ulimit -n, or LimitNOFILE= of a service)";
+  return fail(Errc::unavailable, "the system does not list its network interfaces (" +
+                                     std::generic_category().message(error) + ")" + advice);
+}
+
+}  // namespace
+
+Result<std::vector<HostInterface>> host_interfaces() { return host_interfaces(::if_nametoindex); }
+
+/// If an interface disappears before its index is found, the interfaces are listed again.
+Result<std::vector<HostInterface>> host_interfaces(
+    const std::function<unsigned(const char* name)>& index_of) {
+  constexpr int attempts = 5;
+  int error = 0;
+  for (int attempt = 0; attempt < attempts; ++attempt) {
+    ifaddrs* first = nullptr;
+    if (::getifaddrs(&first) != 0) {
+      const bool is_forbidden = errno == EAFNOSUPPORT || errno == EPERM || errno == EACCES;
+      return not_listed(
+          errno, is_forbidden ? ": allow sockets of AF_NETLINK (RestrictAddressFamilies= of a service)" : "");
+    }
+    const std::unique_ptr<ifaddrs, IfaddrsDeleter> list(first);
+    std::vector<HostInterface> interfaces = interfaces_in(list.get());
+    error = 0;
+    for (HostInterface& interface : interfaces) {
+      interface.index = index_of(interface.name.c_str());
+      if (interface.index == 0) error = errno;
+    }
+    if (error == 0) return interfaces;
+    if (error != ENODEV && error != ENXIO) break;
+  }
+  return not_listed(error, "");
 }
 
 bool is_named(const HostInterface& interface, const std::string& text) {

@@ -2,11 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "core/platform/ip_address.h"
+#include "sft/result.h"
 
 namespace sft::core {
 
@@ -25,9 +26,12 @@ struct HostInterface {
 };
 
 /// Returns the interfaces, including those that are down. IPv6 addresses that are temporary or not ready
-/// for use are left out. Returns nothing if the system cannot list the interfaces because no descriptor is
-/// free. This does not mean that the network has changed.
-std::optional<std::vector<HostInterface>> host_interfaces();
+/// for use are left out. Returns an error with the reason of the system if it cannot list the interfaces, for
+/// example because no descriptor is free. This does not mean that the network has changed.
+Result<std::vector<HostInterface>> host_interfaces();
+/// Does the same. `index_of` is if_nametoindex(), or a substitute in tests: it returns the index of the
+/// interface of that name, or 0 if it fails, with the reason in errno.
+Result<std::vector<HostInterface>> host_interfaces(const std::function<unsigned(const char* name)>& index_of);
 
 /// Returns true if `text`, which a user has written, is the name, the address or the network of the
 /// interface. "10.0.0.0/24" and "10.0.0.0" are networks; the prefix length of the latter is that of the
