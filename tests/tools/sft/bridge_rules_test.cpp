@@ -19,34 +19,33 @@ using ::testing::IsEmpty;
 std::vector<BridgeRule> ways_of(const std::string& text) { return parse_bridge_rule(text, {}).value(); }
 
 TEST(BridgeRulesTest, AnArrowNamesTheSideFromWhichSamplesComeAndBothHaveTwoWays) {
-  const std::vector<BridgeRule> there = ways_of("/points{width} -> /robot/points");
-  ASSERT_EQ(there.size(), 1U);
-  EXPECT_EQ(there[0].text, "/points{width} -> /robot/points");
-  EXPECT_EQ(there[0].from, 0U);
-  EXPECT_EQ(there[0].to(), 1U);
-  EXPECT_EQ(there[0].topic, "points");
-  EXPECT_EQ(there[0].selection, "width");
-  EXPECT_EQ(there[0].target, "robot/points");
-
-  const std::vector<BridgeRule> back = ways_of("cmd_vel <- robot/cmd_vel@every 2");
-  ASSERT_EQ(back.size(), 1U);
-  EXPECT_EQ(back[0].from, 1U);
-  EXPECT_EQ(back[0].to(), 0U);
-  EXPECT_EQ(back[0].topic, "robot/cmd_vel");
-  EXPECT_EQ(back[0].selection, " @ every 2th");
-  EXPECT_EQ(back[0].target, "cmd_vel");
-
-  const std::vector<BridgeRule> both = ways_of("a <-> b");
-  ASSERT_EQ(both.size(), 2U);
-  EXPECT_EQ(both[0].from, 0U);
-  EXPECT_EQ(both[0].topic + " " + both[0].target, "a b");
-  EXPECT_EQ(both[1].from, 1U);
-  EXPECT_EQ(both[1].topic + " " + both[1].target, "b a");
-
-  const std::vector<BridgeRule> same = ways_of("tf");
-  ASSERT_EQ(same.size(), 1U);
-  EXPECT_EQ(same[0].from, 0U);
-  EXPECT_EQ(same[0].topic + " " + same[0].target, "tf tf");
+  struct Way {
+    std::size_t from;
+    const char *topic, *selection, *target;
+  };
+  struct Rule {
+    const char* text;
+    std::vector<Way> ways;
+  };
+  const std::vector<Rule> rules{
+      {"/points{width} -> /robot/points", {{0, "points", "width", "robot/points"}}},
+      {"cmd_vel <- robot/cmd_vel@every 2", {{1, "robot/cmd_vel", " @ every 2th", "cmd_vel"}}},
+      {"a <-> b", {{0, "a", "", "b"}, {1, "b", "", "a"}}},
+      {"tf", {{0, "tf", "", "tf"}}},
+  };
+  for (const auto& [text, ways] : rules) {
+    SCOPED_TRACE(text);
+    const std::vector<BridgeRule> parsed = ways_of(text);
+    ASSERT_EQ(parsed.size(), ways.size());
+    for (std::size_t i = 0; i < ways.size(); ++i) {
+      EXPECT_EQ(parsed[i].text, text);
+      EXPECT_EQ(parsed[i].from, ways[i].from);
+      EXPECT_EQ(parsed[i].to(), 1 - ways[i].from);
+      EXPECT_EQ(parsed[i].topic, ways[i].topic);
+      EXPECT_EQ(parsed[i].selection, ways[i].selection);
+      EXPECT_EQ(parsed[i].target, ways[i].target);
+    }
+  }
 }
 
 TEST(BridgeRulesTest, APatternAppliesToNamesWithBothEndsAndGivesItsMiddleToTheTarget) {
