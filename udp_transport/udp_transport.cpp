@@ -217,6 +217,7 @@ std::shared_ptr<ReceiveLoop> make_receiver(const UdpOptions& options,
   };
   // Answers leave through the receiving socket, so that a sender that requests many of them uses up neither
   // descriptors nor memory. An answer that cannot be sent at once is dropped; a later one replaces it.
+  static_assert(report_bytes <= datagram_bytes_min && group_report_bytes <= datagram_bytes_min);
   const auto send = [send_side](const SocketAddress& to, const auto& answer) {
     std::array<std::byte, datagram_bytes_min> bytes;
     encode(answer, bytes.data());

@@ -165,6 +165,12 @@ std::vector<std::string> options_without_effect(const PublisherOptions& options,
     sentences.push_back(has_no_effect("PublisherOptions::max_bytes_per_s", "the publisher does not use UDP"));
   if (options.resend_bytes != PublisherOptions{}.resend_bytes && !udp)
     sentences.push_back(has_no_effect("PublisherOptions::resend_bytes", "the publisher does not use UDP"));
+  if (options.resend_bytes != PublisherOptions{}.resend_bytes &&
+      options.reliability == Reliability::best_effort) {
+    sentences.push_back(
+        has_no_effect("PublisherOptions::resend_bytes",
+                      "only a reliable publisher sends samples again; set .reliability = reliable"));
+  }
   return sentences;
 }
 

@@ -17,7 +17,11 @@ bool ArrivalWatchdog::needs_progress(Time now) {
 }
 
 bool ArrivalWatchdog::look(const Progress* progress, std::uint64_t signs, const Pair& pair, Time now) {
-  if (now - std::exchange(looked_at_, now) >= stopped_after) excuse();
+  const Time before = std::exchange(looked_at_, now);
+  if (before != Time{} && now - before >= stopped_after) {
+    excuse();
+    reports_count_from_ = now + report_age_max;  // older reports may have waited for the process
+  }
   if (signs_ != signs) {
     if (signs_) {  // the connection works
       pause_ = {};

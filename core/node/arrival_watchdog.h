@@ -6,7 +6,8 @@
 // The watchdog never complains about a pair that works, even if the pair is quiet, slow, lossy or limited:
 // - Only samples that were sent after the last arrival, with all fields and to all readers, count. A report
 //   is some milliseconds old when it comes, so it counts only if nothing has arrived for longer than that.
-// - While the process is stopped, it receives nothing. After that, samples are given time to arrive again.
+// - While the process is stopped, it receives nothing. After that, samples are given time to arrive again,
+//   and reports that waited meanwhile do not count.
 // - If samples may be lost, more of them must be missing than can be lost by chance.
 // - The last samples are given time to arrive, and large samples are given more time.
 // - With a maximum rate, only samples that were reported at least one period apart count. Samples in

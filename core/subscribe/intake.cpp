@@ -1,6 +1,7 @@
 #include "core/subscribe/intake.h"
 
 #include <algorithm>
+#include <array>
 
 #include "core/seam/gate_table.h"
 
@@ -8,18 +9,21 @@ namespace sft::core {
 
 namespace {
 
+constexpr std::array all_inlets{Intake::Inlet::memory, Intake::Inlet::network, Intake::Inlet::overtaken,
+                                Intake::Inlet::vanilla};
+
 /// Returns true if `next` is newer than `latest`. If both are of one writer, the later sample is always
 /// newer, even if the writer's clock was set back.
 bool is_newer(const SampleInfo& next, const SampleInfo& latest) {
   return next.writer == latest.writer || next.source_stamp > latest.source_stamp;
 }
 
-}  // namespace
-
-TransportKind Intake::transport_of(Inlet inlet) {
-  if (inlet == Inlet::vanilla) return TransportKind::dds;
-  return inlet == Inlet::network ? TransportKind::udp : TransportKind::shm;
+TransportKind transport_of(Intake::Inlet inlet) {
+  if (inlet == Intake::Inlet::vanilla) return TransportKind::dds;
+  return inlet == Intake::Inlet::network ? TransportKind::udp : TransportKind::shm;
 }
+
+}  // namespace
 
 bool Intake::has_of(Inlet inlet, EndpointId writer) const {
   return !is_empty(inlet) && head(inlet)->writer == writer;
@@ -48,27 +52,43 @@ RateKeeper Intake::rate_keeper_of(Inlet inlet) const {
   return by_writer ? RateKeeper::writer : RateKeeper::reader;
 }
 
+/// Returns true if no sample of the same writer goes before the sample in the inlet, or has to wait.
+bool Intake::may_go_first(Inlet inlet) const {
+  if (is_empty(inlet)) return false;
+  const SampleOrigin& sample = *head(inlet);
+  return std::ranges::none_of(all_inlets, [&](Inlet other) {
+    return has_of(other, sample.writer) &&
+           (waits_[static_cast<std::size_t>(other)] || head(other)->sequence < sample.sequence);
+  });
+}
+
 /// Returns the inlet whose sample is to be delivered next: the oldest one, unless that of another writer has
 /// been passed over too often.
 std::optional<Intake::Inlet> Intake::first_in_turn() const {
-  std::optional<Inlet> oldest;
-  for (const Inlet inlet : {Inlet::memory, Inlet::network, Inlet::overtaken, Inlet::vanilla}) {
-    if (!is_empty(inlet) && (!oldest || goes_first(*head(inlet), *head(*oldest)))) oldest = inlet;
+  const auto passed_over = [this](Inlet inlet) { return passed_over_[static_cast<std::size_t>(inlet)]; };
+  std::optional<Inlet> oldest, due;
+  for (const Inlet inlet : all_inlets) {
+    if (may_go_first(inlet) && (!oldest || goes_first(*head(inlet), *head(*oldest)))) oldest = inlet;
   }
   if (!oldest) return {};
-  const auto longest = std::ranges::max_element(passed_over_);
-  const auto other = static_cast<Inlet>(longest - passed_over_.begin());
-  const bool is_due = *longest >= passed_over_max && !is_empty(other);
-  return is_due && head(other)->writer != head(*oldest)->writer ? other : oldest;
+  for (const Inlet inlet : all_inlets) {
+    if (passed_over(inlet) < std::max(passed_over_max, due ? passed_over(*due) : 0)) continue;
+    if (may_go_first(inlet) && !has_of(*oldest, head(inlet)->writer)) due = inlet;
+  }
+  return due ? due : oldest;
 }
 
-bool Intake::follows(Inlet inlet) { return accounts_.follows(*head(inlet)); }
-
 Intake::Decision Intake::next(LazyRealtime& now) {
+  waits_ = {};
+  return decide_in_turn(now);
+}
+
+/// Decides about the sample whose turn it is, of the writers whose samples do not wait.
+Intake::Decision Intake::decide_in_turn(LazyRealtime& now) {
   const std::optional<Inlet> first = first_in_turn();
   if (!first) return Decision::nothing;
   chosen_ = *first;
-  if (chosen_ == Inlet::vanilla || follows(chosen_)) return choose(chosen_, now);
+  if (chosen_ == Inlet::vanilla || accounts_.follows(*head(chosen_))) return choose(chosen_, now);
   if (chosen_ == Inlet::network) return let_overtaken_go_first(now);
   if (!may_wait(now)) return choose(chosen_, now);
   asked_about_ = head(chosen_)->writer;
@@ -99,15 +119,15 @@ bool Intake::may_wait(LazyRealtime& now) {
 Intake::Decision Intake::connected(bool is_connected, LazyRealtime& now) {
   if (!is_connected) return choose(chosen_, now);
   holds_back_ = true;
-  // The sample that is waited for may be behind samples of other writers that came by UDP.
-  return is_empty(Inlet::network) ? Decision::nothing : let_overtaken_go_first(now);
+  waits_[static_cast<std::size_t>(chosen_)] = true;
+  return decide_in_turn(now);
 }
 
 /// Chooses the sample that came by UDP, or an earlier one of its writer that lies in shared memory behind
 /// samples of other writers.
 Intake::Decision Intake::let_overtaken_go_first(LazyRealtime& now) {
   const SampleBuffer& ahead = *head(Inlet::network);
-  if (!follows(Inlet::network) && is_empty(Inlet::overtaken) && !has_of(Inlet::memory, ahead.writer)) {
+  if (!accounts_.follows(ahead) && is_empty(Inlet::overtaken) && !has_of(Inlet::memory, ahead.writer)) {
     asked_about_ = ahead.writer;
     return Decision::ask_overtaken;
   }

@@ -9,7 +9,7 @@
 //   delivered, even if they lie in shared memory behind samples of other writers.
 // - UDP can be slower than shared memory. Samples that shared memory cannot take are diverted to UDP. A
 //   sample in shared memory names the last sample that its writer has diverted, and waits at most `timeout`
-//   until that sample has arrived.
+//   until that sample has arrived. Samples of other writers do not wait with it.
 // - Each sample is delivered once, even if it arrives by both paths.
 // - Samples of unmodified DDS writers arrive by one path only, and never wait for other samples of their
 //   writer.
@@ -119,14 +119,14 @@ class Intake {
   SampleHandle& head(Inlet inlet) { return heads_[static_cast<std::size_t>(inlet)]; }
   const SampleHandle& head(Inlet inlet) const { return heads_[static_cast<std::size_t>(inlet)]; }
   bool has_of(Inlet inlet, EndpointId writer) const;
+  bool may_go_first(Inlet inlet) const;
   std::optional<Inlet> first_in_turn() const;
-  bool follows(Inlet inlet);
   bool may_wait(LazyRealtime& now);
+  Decision decide_in_turn(LazyRealtime& now);
   Decision let_overtaken_go_first(LazyRealtime& now);
   Decision choose_in_turn(LazyRealtime& now);
   Decision choose(Inlet inlet, LazyRealtime& now);
   static bool is_expired(const Writer& from, const SampleOrigin& sample, LazyRealtime& now);
-  static TransportKind transport_of(Inlet inlet);
   RateKeeper rate_keeper_of(Inlet inlet) const;
 
   const Options options_;
@@ -135,6 +135,7 @@ class Intake {
   std::array<SampleHandle, 4> heads_;  ///< the sample in each Inlet
   /// For each Inlet, the number of samples that were delivered from others while its sample waited.
   std::array<std::uint32_t, 4> passed_over_{};
+  std::array<bool, 4> waits_{};  ///< for each Inlet, whether this decision has found that its sample waits
   WriterAccounts accounts_;
   Inlet chosen_{};  ///< the inlet of the sample to which the latest decision applies
   EndpointId asked_about_ = 0;

@@ -1,5 +1,7 @@
 #include "core/subscribe/subscriber_core.h"
 
+#include <array>
+#include <cassert>
 #include <optional>
 #include <utility>
 
@@ -46,20 +48,26 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
 /// one selection, the function returns 0 without a check for samples.
 std::optional<std::size_t> SubscriberCore::first_in_turn() {
   if (feeds_.size() == 1) return 0;
+  std::array<std::optional<SampleOrigin>, SubscriberOptions::selections_max> next;
+  assert(feeds_.size() <= next.size());
   std::optional<std::size_t> oldest, due;
-  SampleOrigin first;
-  EndpointId writer_of_due = 0;
   for (std::size_t i = 0; i < feeds_.size(); ++i) {
-    const std::optional<SampleOrigin> next = ports(i).next_origin();
-    if (next && passed_over_[i].fetch_add(1, std::memory_order_relaxed) >= passed_over_max) {
-      due = i;
-      writer_of_due = next->writer;
-    }
-    if (!next || (oldest && !goes_first(*next, first))) continue;
-    oldest = i;
-    first = *next;
+    next[i] = ports(i).next_origin();
+    if (next[i] && (!oldest || goes_first(*next[i], *next[*oldest]))) oldest = i;
   }
-  if (due && writer_of_due != first.writer) oldest = due;
+  std::uint32_t longest = passed_over_max;
+  for (std::size_t i = 0; i < feeds_.size(); ++i) {
+    if (!next[i]) continue;
+    const std::uint32_t times = passed_over_[i].fetch_add(1, std::memory_order_relaxed);
+    if (times < longest || next[i]->writer == next[*oldest]->writer) continue;
+    due = i;
+    longest = times;
+  }
+  // An earlier sample of the same writer may be that of another selection.
+  for (std::size_t i = 0; due && i < feeds_.size(); ++i) {
+    if (next[i] && next[i]->writer == next[*due]->writer && goes_first(*next[i], *next[*due])) due = i;
+  }
+  if (due) oldest = due;
   if (oldest) passed_over_[*oldest].store(0, std::memory_order_relaxed);
   return oldest;
 }

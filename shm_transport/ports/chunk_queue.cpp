@@ -125,15 +125,16 @@ std::uint64_t ChunkQueue::bytes_left() const noexcept {
                          });
 }
 
-bool ChunkQueue::drop_oldest() noexcept {
+std::optional<std::uint64_t> ChunkQueue::drop_oldest() noexcept {
   const core::Lock lock(mutex_);
-  if (open_ || remaining() == 0) return false;
+  if (open_ || remaining() == 0) return std::nullopt;
+  const std::uint64_t bytes = kept_taken_ < kept_.size() ? kept_[kept_taken_]->userPayloadSize() : 0;
   // If too many chunks are held already, iceoryx itself gives the chunk back.
   iox::mepoo::ChunkHeader* const chunk = pop();
-  if (lost_ || chunk == nullptr) return true;
+  if (lost_ || chunk == nullptr) return bytes;
   const ChunkInHand hand(data_);
   port_.releaseChunk(chunk);
-  return true;
+  return bytes;
 }
 
 void ChunkQueue::lose(SessionMember::Loss loss) noexcept {

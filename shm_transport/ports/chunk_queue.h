@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/sync/lock_order.h"
@@ -53,11 +54,12 @@ class ChunkQueue {
   void close() noexcept;
   /// Returns the number of samples that remain to be taken after close() or lose(); 0 before these calls.
   std::uint64_t left() const noexcept;
-  /// Returns the bytes of these samples.
+  /// Returns the bytes of these samples, except for those that iceoryx does not lend because the reader holds
+  /// too many.
   std::uint64_t bytes_left() const noexcept;
-  /// Drops the oldest of the samples that remain after close() or lose(). Returns false if no sample
-  /// remains.
-  bool drop_oldest() noexcept;
+  /// Drops the oldest of the samples that remain after close() or lose(). Returns its part of bytes_left();
+  /// nothing if no sample remains.
+  std::optional<std::uint64_t> drop_oldest() noexcept;
   /// Notes that the session is lost. The samples that have arrived stay mapped, and their memory is not
   /// lent anew, because this reader never gives it back.
   void lose(SessionMember::Loss loss) noexcept;

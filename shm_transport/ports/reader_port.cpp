@@ -108,10 +108,12 @@ void ChunkBorrower::recycle(SampleBuffer& buffer) noexcept {
   queue_.give_back(ChunkSlot::of(buffer));
 }
 
-void ChunkBorrower::drop_oldest() noexcept {
-  if (!queue_.drop_oldest()) return;
+std::optional<std::uint64_t> ChunkBorrower::drop_oldest() noexcept {
+  const std::optional<std::uint64_t> bytes = queue_.drop_oldest();
+  if (!bytes) return bytes;
   losses_.dropped();
   discarded_.fetch_add(1, std::memory_order_relaxed);
+  return bytes;
 }
 
 ShmReaderPort::ShmReaderPort(std::shared_ptr<Session> session, const core::ReaderSpec& spec,
@@ -181,10 +183,11 @@ void ShmReaderPort::drop_excess() noexcept {
     return left > depth() || (spec_.depth_bytes != 0 && bytes > spec_.depth_bytes && left > 1);
   };
   for (const auto& writer : departed_) {
-    for (; are_too_many() && writer->left() > 0; --left) {
-      const std::uint64_t before = writer->bytes_left();
-      writer->drop_oldest();
-      bytes -= before - std::min(before, writer->bytes_left());
+    while (are_too_many()) {
+      const std::optional<std::uint64_t> dropped = writer->drop_oldest();
+      if (!dropped) break;
+      --left;
+      bytes -= std::min(bytes, *dropped);
     }
   }
 }

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/seam/transport.h"
@@ -66,8 +67,9 @@ class ChunkBorrower final : public core::BufferOwner,
   /// Returns the number of samples that remain to be taken once open() is false; 0 until then.
   std::uint64_t left() const noexcept { return queue_.left(); }
   std::uint64_t bytes_left() const noexcept { return queue_.bytes_left(); }
-  /// Drops the oldest remaining sample once open() is false. Does nothing until then.
-  void drop_oldest() noexcept;
+  /// Drops the oldest remaining sample once open() is false. Returns its part of bytes_left(); nothing if no
+  /// sample remains, or until then.
+  std::optional<std::uint64_t> drop_oldest() noexcept;
   /// Returns the number of missing samples that no gap in the sequence numbers shows.
   std::uint64_t lost_unnoticed() const noexcept { return losses_.lost_unnoticed(); }
 

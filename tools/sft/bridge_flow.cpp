@@ -123,15 +123,17 @@ Result<void> BridgeFlow::decide(Source& source, BridgeEnd& to, Time now) {
 Result<void> BridgeFlow::begin(Source& source, Node& node, Time now) {
   const std::uint32_t depth = source.qos.history_depth;
   const bool has_conditions = rule_->selection.find('@') != std::string::npos;
+  const Reliability reliability = rule_->options.reliable ? reliable : source.qos.reliability;
   const PublisherOptions options{
-      .reliability = rule_->options.reliable ? reliable : source.qos.reliability,
+      .reliability = reliability,
       .durability = source.qos.durability,
       .history_depth = !source.is_retained() ? 1
                        : depth == 0          ? retained_if_unknown
                                              : std::min(depth, bridge_retained_most),
       .deadline = has_conditions ? std::chrono::nanoseconds(0) : source.qos.deadline,
       .lifespan = source.qos.lifespan,
-      .resend_bytes = kept_bytes(source.qos.durability),
+      .resend_bytes =
+          reliability == reliable ? kept_bytes(source.qos.durability) : PublisherOptions{}.resend_bytes,
       .priority = rule_->options.priority,
       .asynchronous = true};
   Result<DynamicPublisher> publisher = node.publisher("/" + target_, type_, options);

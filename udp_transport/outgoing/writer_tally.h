@@ -5,20 +5,21 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 
 #include "udp_transport/flow/rate_limit.h"
+#include "udp_transport/outgoing/resend_limits.h"
 
 namespace sft::udp {
 
 /// Counts and limits of one writer, over all its lanes.
 struct WriterTally {
   explicit WriterTally(std::uint64_t max_bytes_per_s = 0, std::int8_t writer_priority = 0,
-                       std::size_t resend_bytes_max = std::numeric_limits<std::size_t>::max())
-      : limit(max_bytes_per_s), priority(writer_priority), resend_bytes(resend_bytes_max) {}
+                       const ResendLimits& resend_limits = {})
+      : limit(max_bytes_per_s), priority(writer_priority), resend(resend_limits) {}
   RateLimit limit;
-  const std::int8_t priority;      ///< large samples of the writer with the greatest number are sent first
-  const std::size_t resend_bytes;  ///< PublisherOptions::resend_bytes
+  const std::int8_t priority;  ///< large samples of the writer with the greatest number are sent first
+  /// The limits of each channel, and of the reliable samples that wait for the sending thread.
+  const ResendLimits resend;
   std::atomic<std::uint64_t> bytes_sent{0};
   std::atomic<std::uint64_t> dropped{0};  ///< number of samples that were taken from a lane and then not sent
   /// The number of lanes with data for the sending thread to send, including lanes that get no new samples

@@ -37,7 +37,7 @@ class Channel {
         tally_(std::move(tally)),
         port_(port),
         memory_(std::move(memory)),
-        window_(writer, number, ResendLimits::of_at_most(tally_->resend_bytes), 1, memory_) {}
+        window_(writer, number, tally_->resend, 1, memory_) {}
 
   // Any thread may call the following functions.
 

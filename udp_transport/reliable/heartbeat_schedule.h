@@ -6,8 +6,8 @@
 #include <chrono>
 #include <optional>
 
+#include "udp_transport/outgoing/resend_limits.h"
 #include "udp_transport/reliable/kept_samples.h"
-#include "udp_transport/reliable/resend_limits.h"
 
 namespace sft::udp {
 

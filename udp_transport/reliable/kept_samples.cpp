@@ -41,7 +41,9 @@ bool KeptSamples::keeps_more_than(std::size_t samples, std::size_t bytes) const 
 
 KeptSamples::Amount KeptSamples::amount() const {
   if (entries_.empty()) return Amount::nothing;
-  return keeps_more_than(samples_max_ / 2, bytes_max_ / 2) ? Amount::more_than_half : Amount::at_most_half;
+  const bool is_surplus = size() > samples_least_ / 2;
+  const bool more = size() > samples_max_ / 2 || (is_surplus && bytes_ > bytes_max_ / 2);
+  return more ? Amount::more_than_half : Amount::at_most_half;
 }
 
 bool KeptSamples::can_keep(std::size_t samples, std::size_t bytes) const {

@@ -1,8 +1,8 @@
 // The samples that a channel keeps until they are acknowledged, in the order of their ordinals. Each of
 // them waits to be sent, is under way for the first time, or was sent. Uses no clock, thread or I/O.
 //
-// The number of samples and their bytes are limited, except that the newest sample is always kept. If a
-// limit is exceeded, the oldest samples are given up.
+// The number of samples and their bytes are limited, but the newest `samples_least` samples are kept however
+// large they are. If a limit is exceeded, the oldest samples are given up.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@
 
 #include "udp_transport/outgoing/job.h"
 #include "udp_transport/outgoing/kept_memory.h"
+#include "udp_transport/outgoing/resend_limits.h"
 #include "udp_transport/reliable/ordinal_ring.h"
-#include "udp_transport/reliable/resend_limits.h"
 #include "udp_transport/wire/datagram.h"
 
 namespace sft::udp {
@@ -59,7 +59,8 @@ class KeptSamples {
   Kept keep(const JobHandle& job, const FirstHeader& first, bool elsewhere);
   /// Returns true if `samples` samples with `bytes` bytes can be kept without giving up older ones.
   bool can_keep(std::size_t samples, std::size_t bytes) const;
-  /// The amount of samples that are kept, relative to the limits.
+  /// The amount of samples that are kept, relative to the limits. At most half of `samples_least` samples are
+  /// not more than half, however large they are.
   enum class Amount : std::uint8_t { nothing, at_most_half, more_than_half };
   Amount amount() const;
 

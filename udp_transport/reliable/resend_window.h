@@ -11,10 +11,10 @@
 
 #include "udp_transport/outgoing/job.h"
 #include "udp_transport/outgoing/kept_memory.h"
+#include "udp_transport/outgoing/resend_limits.h"
 #include "udp_transport/reliable/heartbeat_schedule.h"
 #include "udp_transport/reliable/kept_samples.h"
 #include "udp_transport/reliable/repair_queue.h"
-#include "udp_transport/reliable/resend_limits.h"
 #include "udp_transport/wire/datagram.h"
 #include "udp_transport/wire/fragmenter.h"
 

@@ -13,10 +13,6 @@ namespace {
 /// The maximum number of deferred best-effort samples. Large samples of these are limited to the depth of a
 /// lane, because they hold much memory.
 constexpr std::size_t samples_max = 64;
-// The limits of deferred reliable samples. They are as high as those of a channel, because a sample that was
-// dropped before it came into a channel cannot be repaired.
-constexpr std::size_t reliable_samples_max = ResendLimits{}.samples;
-constexpr std::size_t reliable_bytes_max = ResendLimits{}.bytes;
 
 using Clock = std::chrono::steady_clock;
 /// The maximum number of samples that are sent for one writer before other writers have their turn.
@@ -52,14 +48,15 @@ FanOut::Posted FanOut::post(DeferredSample deferred) noexcept {
 }
 
 /// If a limit is reached, removes and returns a sample that has to be dropped for `newcomer`: the oldest
-/// sample, or the oldest large sample if too many large samples wait.
+/// sample, or the oldest large sample if too many large samples wait. The limits of reliable samples are
+/// those of a channel, because a sample that was dropped before it came into a channel cannot be repaired.
 std::optional<FanOut::DeferredSample> FanOut::take_surplus_before(const DeferredSample& newcomer) noexcept {
   const core::Lock lock(mutex_);
   if (queue_.empty()) return {};
   if (is_reliable(newcomer)) {
-    const std::size_t bytes_max = std::min(reliable_bytes_max, tally_->resend_bytes);
-    const bool fits = queue_.size() < reliable_samples_max &&
-                      queued_bytes_ + newcomer.sample->capacity <= bytes_max;
+    const ResendLimits& limits = tally_->resend;
+    const std::size_t samples = queue_.size() + 1, bytes = queued_bytes_ + newcomer.sample->capacity;
+    const bool fits = samples <= limits.samples && (bytes <= limits.bytes || samples <= limits.samples_least);
     return fits ? std::nullopt : std::optional(pop_oldest());
   }
   if (queue_.size() >= samples_max) return pop_oldest();

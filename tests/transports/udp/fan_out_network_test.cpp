@@ -16,7 +16,7 @@
 #include "tests/transports/udp/sample_tap.h"
 #include "udp_transport/multicast/multicast_plan.h"
 #include "udp_transport/multicast/probe_schedule.h"
-#include "udp_transport/reliable/resend_limits.h"
+#include "udp_transport/outgoing/resend_limits.h"
 #include "udp_transport/routing/settling_times.h"
 #include "udp_transport/wire/datagram.h"
 

@@ -130,8 +130,11 @@ TEST(OptionsWithoutEffectTest, EachIsNamedOfAPublisher) {
   EXPECT_NE(of({.max_bytes_per_s = 1}, false).find("max_bytes_per_s has no effect: the publisher does not"),
             std::string::npos);
   EXPECT_EQ(of({.reliability = reliable, .resend_bytes = 1}), "");
-  EXPECT_NE(of({.resend_bytes = 1}, false).find("resend_bytes has no effect: the publisher does not use UDP"),
-            std::string::npos);
+  EXPECT_EQ(of({.reliability = reliable, .resend_bytes = 1}, false),
+            "PublisherOptions::resend_bytes has no effect: the publisher does not use UDP\n");
+  EXPECT_EQ(of({.resend_bytes = 1}),
+            "PublisherOptions::resend_bytes has no effect: only a reliable publisher sends samples again; "
+            "set .reliability = reliable\n");
   EXPECT_NE(of({.asynchronous = true}, false).find("asynchronous has no effect: the publisher does not use"),
             std::string::npos);
   EXPECT_NE(of({.reliability = reliable, .max_blocking = 1s, .asynchronous = true})

@@ -205,6 +205,15 @@ TEST_F(ArrivalWatchdogTest, ANodeThatWasStoppedGivesItsConnectionsTheirTimeAgain
   EXPECT_FALSE(restarted_at.empty());
 }
 
+TEST_F(ArrivalWatchdogTest, ReportsThatLeftWhileTheNodeWasStoppedDoNotCount) {
+  const ArrivalWatchdog::Pair pair{.reliable = true};
+  const Progress older{1, 1990, 0}, newer{1, 2000, 0};
+  EXPECT_FALSE(watchdog.look(nullptr, 1000, pair, now));
+  EXPECT_FALSE(watchdog.look(&older, 2000, pair, now += 10s)) << "all samples have arrived";
+  EXPECT_FALSE(watchdog.look(&newer, 2000, pair, now += 5ms));
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(watchdog.look(nullptr, 2000, pair, now += 900ms));
+}
+
 TEST_F(ArrivalWatchdogTest, ALossOfAllForAMomentIsNoReason) {
   run({}, 10s);
   for (int i = 0; i < 20; ++i) {

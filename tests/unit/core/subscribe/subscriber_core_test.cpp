@@ -40,6 +40,15 @@ class SubscriberCoreTest : public ::testing::Test {
     subscriber->ports().set_network(network);
   }
 
+  /// Opens a subscriber with that number of selections and without ports.
+  void reopen_with(EndpointId selections) {
+    SubscriberCore::Spec spec{
+        .topic = "points", .type = &type, .feeds = {}, .options = {}, .callback = nullptr};
+    for (EndpointId id = 1; id <= selections; ++id)
+      spec.feeds.push_back({.id = id, .selection = type.full()});
+    subscriber = std::make_unique<SubscriberCore>(std::move(spec), bells->at(1), nullptr);
+  }
+
   void arrives(Queue& port, std::uint64_t sequence, EndpointId writer = 9) {
     arrives(port, sequence, writer, static_cast<std::int64_t>(sequence));
   }
@@ -419,14 +428,7 @@ class TwoFeedsTest : public SubscriberCoreTest {
   using Came = std::vector<std::pair<std::uint32_t, std::uint64_t>>;
 
   TwoFeedsTest() {
-    subscriber = std::make_unique<SubscriberCore>(
-        SubscriberCore::Spec{
-            .topic = "points",
-            .type = &type,
-            .feeds = {{.id = 1, .selection = type.full()}, {.id = 2, .selection = type.full()}},
-            .options = {},
-            .callback = nullptr},
-        bells->at(1), nullptr);
+    reopen_with(2);
     subscriber->ports(0).set_memory(memory);
     subscriber->ports(1).set_memory(memory_of_second);
   }
@@ -505,6 +507,37 @@ TEST_F(TwoFeedsTest, ASelectionThatWasPassedOverChangesNoOrderOfTheSamplesOfAWri
   for (std::uint64_t sequence = 1; sequence <= 30; ++sequence) arrives(*memory, sequence);
   arrives(*memory_of_second, 31);
   EXPECT_EQ(all([&] { return subscriber->take(); }).back(), (std::pair<std::uint32_t, std::uint64_t>{1, 31}));
+}
+
+class ThreeFeedsTest : public SubscriberCoreTest {
+ protected:
+  ThreeFeedsTest() {
+    reopen_with(3);
+    for (const std::size_t i : {0, 1, 2}) subscriber->ports(i).set_memory(queues[i]);
+  }
+  /// Takes a sample, and returns its selection.
+  std::uint32_t take() { return subscriber->take().info().selection; }
+
+  const std::array<std::shared_ptr<MemoryQueue>, 3> queues{
+      std::make_shared<MemoryQueue>(), std::make_shared<MemoryQueue>(), std::make_shared<MemoryQueue>()};
+};
+
+TEST_F(ThreeFeedsTest, ASelectionThatWasPassedOverHidesNoOtherOneWithSamplesOfAnotherWriter) {
+  for (std::uint64_t sequence = 1; sequence <= 40; ++sequence) arrives(*queues[0], sequence);
+  arrives(*queues[2], 100);
+  take();
+  arrives(*queues[1], 1, 8, 1'000'000);
+  for (std::uint32_t i = 1; i <= passed_over_max; ++i) EXPECT_EQ(take(), 0U) << i;
+  EXPECT_EQ(take(), 1U);
+}
+
+TEST_F(ThreeFeedsTest, ASelectionThatWasPassedOverLetsEarlierSamplesOfItsWriterGoFirst) {
+  for (std::uint64_t sequence = 1; sequence <= 40; ++sequence) arrives(*queues[0], sequence, 8);
+  arrives(*queues[1], 2, 9, 2'000'000);
+  take();
+  arrives(*queues[2], 1, 9, 1'000'000);
+  for (std::uint32_t i = 1; i < passed_over_max; ++i) EXPECT_EQ(take(), 0U) << i;
+  EXPECT_EQ(take(), 2U) << "that of the second selection is due, and comes after it";
 }
 
 // The publisher's clock was set back between the two samples.

@@ -143,7 +143,7 @@ TEST_F(ChunkQueueTest, AClosedQueueTellsTheBytesThatAreLeft) {
   queue_->close();
   arrive(1);
   EXPECT_EQ(queue_->bytes_left(), 2U * chunk_bytes);
-  EXPECT_TRUE(queue_->drop_oldest());
+  EXPECT_EQ(queue_->drop_oldest(), chunk_bytes);
   EXPECT_EQ(queue_->bytes_left(), chunk_bytes);
   ChunkSlot* const last = queue_->take().slot;
   ASSERT_NE(last, nullptr);

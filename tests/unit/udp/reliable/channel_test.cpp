@@ -124,7 +124,7 @@ class ChannelOfFewBytesTest : public ChannelTest {
 
  private:
   Channel few_{7, 3, destinations.find({.ip = 1, .port = 1}),
-               std::make_shared<WriterTally>(0, std::int8_t{0}, std::size_t{1'000'000}), 5000};
+               std::make_shared<WriterTally>(0, std::int8_t{0}, ResendLimits::of_at_most(1'000'000)), 5000};
 };
 
 TEST_F(ChannelOfFewBytesTest, KeepsNoMoreBytesThanItsWriterAllows) {

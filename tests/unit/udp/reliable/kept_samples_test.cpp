@@ -14,6 +14,8 @@ using Amount = KeptSamples::Amount;
 
 class KeptSamplesTest : public testing::Test {
  protected:
+  explicit KeptSamplesTest(const ResendLimits& limits = {.samples = 4}) : kept(limits, 1, nullptr) {}
+
   std::uint64_t keep(std::size_t body_bytes = 100, bool elsewhere = false) {
     const JobHandle job = test::make_job(*jobs, 1, body_bytes);
     last = kept.keep(job, job->first, elsewhere);
@@ -21,7 +23,7 @@ class KeptSamplesTest : public testing::Test {
   }
 
   std::shared_ptr<JobPool> jobs = JobPool::make();
-  KeptSamples kept{{.samples = 4}, 1, nullptr};
+  KeptSamples kept;
   KeptSamples::Kept last;
 };
 
@@ -84,6 +86,35 @@ TEST_F(KeptSamplesTest, AreSentElsewhereWhileAtMostHalfIsKept) {
   EXPECT_EQ(kept.amount(), Amount::more_than_half);
   EXPECT_EQ(kept.departed(2), std::nullopt) << "that one is sent here";
   keep(100, true);
+  EXPECT_FALSE(last.elsewhere);
+}
+
+class KeptSamplesOfFewBytesTest : public KeptSamplesTest {
+ protected:
+  static constexpr std::size_t most = 100'000, beyond_half = 60'000;
+  KeptSamplesOfFewBytesTest() : KeptSamplesTest(ResendLimits::of_at_most(most)) {}
+};
+
+TEST_F(KeptSamplesOfFewBytesTest, ALargeSampleIsSentElsewhereUnlessTheOneBeforeItIsKeptToo) {
+  for (int i = 0; i < 3; ++i) {
+    const std::uint64_t ordinal = keep(beyond_half, true);
+    EXPECT_TRUE(last.elsewhere);
+    EXPECT_EQ(kept.amount(), Amount::at_most_half);
+    kept.departed(ordinal);
+    kept.release_before(ordinal + 1);
+  }
+  keep(beyond_half);
+  keep(beyond_half, true);
+  EXPECT_EQ(kept.amount(), Amount::more_than_half) << "two of the three that are kept in any case";
+  EXPECT_FALSE(last.elsewhere);
+}
+
+TEST_F(KeptSamplesOfFewBytesTest, SamplesOfMoreThanHalfOfTheBytesAreNotSentElsewhere) {
+  for (std::size_t bytes = 0; bytes + 6'000 <= most / 2; bytes += 6'000) {
+    keep(6'000, true);
+    EXPECT_TRUE(last.elsewhere) << bytes;
+  }
+  keep(6'000, true);
   EXPECT_FALSE(last.elsewhere);
 }
 

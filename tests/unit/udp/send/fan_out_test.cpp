@@ -19,7 +19,10 @@ using test::Image;
 /// The test itself decides when deferred work is carried out.
 class FanOutTest : public testing::Test {
  protected:
-  FanOutTest() { side_->max_sample_bytes = std::size_t{1} << 20; }
+  explicit FanOutTest(const ResendLimits& limits = {})
+      : tally_(std::make_shared<WriterTally>(0, std::int8_t{0}, limits)) {
+    side_->max_sample_bytes = std::size_t{1} << 20;
+  }
 
   /// Returns a table of routes with one mask. The sending thread sends the samples with this mask.
   std::shared_ptr<const RouteTable> routes(bool reliable) {
@@ -78,7 +81,7 @@ class FanOutTest : public testing::Test {
   test::Connections connections_;
   std::shared_ptr<SendSide> side_ =
       std::make_shared<SendSide>(std::make_unique<test::NoSender>(connections_), DestinationLimits{});
-  std::shared_ptr<WriterTally> tally_ = std::make_shared<WriterTally>();
+  std::shared_ptr<WriterTally> tally_;
   FanOut fan_out_{{.id = 7, .type = &type_}, side_, tally_, JobPool::make()};
   std::shared_ptr<Channel> channel_;
 };
@@ -136,6 +139,24 @@ TEST_F(FanOutTest, ReturnsHowManyHaveToGoForOneThatIsLarger) {
   EXPECT_GT(dropped, 1U);
   const core::DeliveryMeter counted{.tally = reliable->audiences.front().tally};
   EXPECT_EQ(counted.read().dropped, dropped);
+}
+
+class FanOutOfFewBytesTest : public FanOutTest {
+ protected:
+  FanOutOfFewBytesTest() : FanOutTest(ResendLimits::of_at_most(1'000'000)) {}
+};
+
+TEST_F(FanOutOfFewBytesTest, KeepsTheLatestThreeReliableSamplesHoweverLargeTheyAre) {
+  const auto reliable = routes(true);
+  EXPECT_EQ(leave(3, 900'000, reliable), 0U);
+  EXPECT_EQ(leave(1, 900'000, reliable), 1U);
+  carry_out_all();
+  EXPECT_EQ(send().size(), 3U);
+}
+
+TEST_F(FanOutOfFewBytesTest, KeepsNoMoreReliableSamplesThanItsWriterAllows) {
+  constexpr std::size_t samples = 100, bytes = 100'000;
+  EXPECT_GE(leave(samples, bytes, routes(true)), samples - 1'000'000 / bytes);
 }
 
 }  // namespace
